@@ -1,0 +1,5 @@
+//! Monte Carlo integration with an error bar.
+
+pub mod pdf;
+pub mod sampler;
+pub mod value;

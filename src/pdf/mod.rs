@@ -1,0 +1,71 @@
+//! WARP: how the unit cube is spread over a domain.
+//!
+//! A domain *is* a pdf: a closed interval is the uniform density on it. The
+//! doc of each names the measure of its density: length, area, volume, solid
+//! angle, projected solid angle, or counting.
+
+mod exponential;
+mod interval;
+
+pub use exponential::{Exponential, ExponentialError};
+pub use interval::{Interval, IntervalError};
+
+use core::fmt::Debug;
+
+use crate::sampler::UnitPoint;
+
+/// A point of a domain, together with the density p(x) at it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample<X> {
+    /// x
+    pub point: X,
+    /// p(x), per unit of the domain's measure
+    pub density: f64,
+}
+
+/// A probability density and the warp that samples it.
+///
+/// With u uniform on the unit cube, `sample(u).point` has the density p:
+/// ∫ g(sample(u)) du = ∫ g(x) p(x) dx for every g.
+///
+/// Laws, which the crate's conformance suite checks for every pdf of its own:
+/// `sample(u).density` equals `density(&sample(u).point)` up to rounding and is
+/// positive; ∫ p = 1; points are finite for every u in [0, 1), 0 included.
+pub trait Pdf {
+    /// What it reads: a point of the unit cube.
+    type Unit: UnitPoint;
+    /// What it makes of it: a point of the domain.
+    type Point: Debug;
+
+    /// The point x that belongs to u, together with p(x).
+    fn sample(&self, u: Self::Unit) -> Sample<Self::Point>;
+
+    /// p(x): zero outside the domain.
+    fn density(&self, x: &Self::Point) -> f64;
+}
+
+/// A pdf whose warp can be undone.
+pub trait Invert: Pdf {
+    /// The u with `sample(u).point` = x, for x inside the domain.
+    fn invert(&self, x: &Self::Point) -> Self::Unit;
+}
+
+impl<P: Pdf + ?Sized> Pdf for &P {
+    type Unit = P::Unit;
+    type Point = P::Point;
+    #[inline]
+    fn sample(&self, u: P::Unit) -> Sample<P::Point> {
+        (**self).sample(u)
+    }
+    #[inline]
+    fn density(&self, x: &P::Point) -> f64 {
+        (**self).density(x)
+    }
+}
+
+impl<P: Invert + ?Sized> Invert for &P {
+    #[inline]
+    fn invert(&self, x: &P::Point) -> P::Unit {
+        (**self).invert(x)
+    }
+}

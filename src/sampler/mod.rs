@@ -1,0 +1,101 @@
+//! WHERE: which points of the unit cube [0, 1)^∞ a run looks at.
+//!
+//! A [`Sampler`] is seeded and randomised when it is built, and immutable from
+//! then on. It lays out the points of a run a [`Block`] at a time; the
+//! [`Coordinates`] of a block give one point after the other, each read a
+//! coordinate at a time, as many as it needs.
+
+mod independent;
+mod replay;
+mod stratified;
+mod unit_point;
+
+pub use independent::{Independent, IndependentStream};
+pub use replay::{Replay, ReplayError, ReplayStream};
+pub use stratified::{Stratified, StratifiedError, StratifiedStream};
+pub use unit_point::UnitPoint;
+
+/// A run of consecutive points: those numbered `start .. start + len`.
+///
+/// `index` numbers the blocks of a run, so that samplers that draw from a
+/// generator can give each block a stream of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Block {
+    /// Which block of the run this is.
+    pub index: u64,
+    /// The number of its first point.
+    pub start: u64,
+    /// How many points it has.
+    pub len: u64,
+}
+
+/// Where to look: the points of a run in [0, 1)^∞, laid out a block at a time.
+///
+/// Pure: the same block always has the same points, whatever was asked for
+/// before. That is what makes a run give the same bits on any number of
+/// threads.
+pub trait Sampler {
+    /// The points of one block.
+    type Stream<'a>: Coordinates
+    where
+        Self: 'a;
+
+    /// The points of `block`, in order.
+    fn stream(&self, block: Block) -> Self::Stream<'_>;
+}
+
+/// A sampler whose points are independent and identically distributed, so that
+/// the standard error of a mean of n is σ/√n. What
+/// [`MonteCarlo`](crate::integrator::MonteCarlo) asks for.
+pub trait Iid: Sampler {}
+
+/// A sampler that can be randomised again, independently of itself.
+pub trait Randomize: Sampler + Sized {
+    /// The same layout with fresh randomness; another for each `replicate`.
+    fn randomize(&self, replicate: u64) -> Self;
+}
+
+/// The points of a block, one after the other, each read a coordinate at a
+/// time: points of a cube with as many dimensions as anyone reads.
+pub trait Coordinates {
+    /// Moves to the next point. Called before each point, the first included.
+    fn next_point(&mut self);
+
+    /// The next coordinate of the point, in [0, 1).
+    fn next_1d(&mut self) -> f64;
+
+    /// The next two coordinates.
+    #[inline]
+    fn next_2d(&mut self) -> [f64; 2] {
+        let first = self.next_1d();
+        [first, self.next_1d()]
+    }
+}
+
+impl<C: Coordinates + ?Sized> Coordinates for &mut C {
+    #[inline]
+    fn next_point(&mut self) {
+        (**self).next_point();
+    }
+    #[inline]
+    fn next_1d(&mut self) -> f64 {
+        (**self).next_1d()
+    }
+    #[inline]
+    fn next_2d(&mut self) -> [f64; 2] {
+        (**self).next_2d()
+    }
+}
+
+impl<S: Sampler> Sampler for &S {
+    type Stream<'a>
+        = S::Stream<'a>
+    where
+        Self: 'a;
+    #[inline]
+    fn stream(&self, block: Block) -> S::Stream<'_> {
+        (**self).stream(block)
+    }
+}
+
+impl<S: Iid> Iid for &S {}

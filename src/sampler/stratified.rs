@@ -1,0 +1,319 @@
+//! A jittered grid.
+
+use core::fmt;
+
+use super::{Block, Coordinates, Independent, Randomize, Sampler};
+
+/// A jittered grid over the first D coordinates: the axes are cut into
+/// `counts` equal parts, and each of the resulting strata holds
+/// `per_stratum` points.
+///
+/// ```text
+/// ξ′ₖ = (jₖ + ξₖ) / nₖ      k < D, stratum (j₀, …), ξ from the jitter
+/// ξ′ₖ = ξₖ                  k ≥ D
+/// ```
+///
+/// The points of a stratum follow one another; strata follow one another in
+/// row-major order, the last axis fastest. After the last stratum the grid
+/// starts again with fresh jitter. The jitter is [`Independent`] unless
+/// another sampler is given to [`Stratified::over`].
+///
+/// # Example
+///
+/// ```
+/// use estimand::sampler::{Block, Coordinates, Sampler, Stratified};
+///
+/// let grid = Stratified::new([2, 3], 1, 7)?;
+/// assert_eq!(grid.len(), 6);
+/// let mut points = grid.stream(Block { index: 0, start: 4, len: 1 });
+/// points.next_point();
+/// let [x, y] = points.next_2d(); // stratum (1, 1)
+/// assert!((0.5..1.0).contains(&x) && (1.0 / 3.0..2.0 / 3.0).contains(&y));
+/// # Ok::<(), estimand::sampler::StratifiedError>(())
+/// ```
+///
+/// Source: Haber, *A modified Monte Carlo quadrature* (1966); Pharr, Jakob &
+/// Humphreys, *Physically Based Rendering*, 4th ed., §8.5.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stratified<const D: usize, J = Independent> {
+    counts: [u64; D],
+    widths: [f64; D],
+    per_stratum: u64,
+    strata: u64,
+    jitter: J,
+}
+
+/// Why [`Stratified::new`] refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum StratifiedError {
+    /// The axis of this number would be cut into no part at all.
+    NoStrata {
+        /// Which axis.
+        axis: usize,
+    },
+    /// No point is asked for in a stratum.
+    NoSamples,
+    /// Strata times points a stratum overflows 64 bits.
+    TooMany {
+        /// Points asked for in each stratum.
+        per_stratum: u64,
+        /// The axis at which the product overflowed; D if at `per_stratum`.
+        axis: usize,
+    },
+}
+
+impl fmt::Display for StratifiedError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoStrata { axis } => write!(f, "axis {axis} is cut into 0 strata"),
+            Self::NoSamples => write!(f, "0 samples a stratum were asked for"),
+            Self::TooMany { per_stratum, axis } => write!(
+                f,
+                "the number of strata times {per_stratum} samples overflows 64 bits at axis {axis}"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for StratifiedError {}
+
+impl<const D: usize> Stratified<D> {
+    /// A grid of `counts` strata an axis with `per_stratum` points in each,
+    /// jittered by independent points of `seed`.
+    ///
+    /// # Errors
+    ///
+    /// Every count and `per_stratum` is at least 1 and their product fits 64
+    /// bits.
+    pub fn new(counts: [u64; D], per_stratum: u64, seed: u64) -> Result<Self, StratifiedError> {
+        Self::over(Independent::new(seed), counts, per_stratum)
+    }
+}
+
+impl<const D: usize, J> Stratified<D, J> {
+    /// The same grid, jittered by the points of `jitter`.
+    ///
+    /// # Errors
+    ///
+    /// As [`Stratified::new`].
+    pub fn over(jitter: J, counts: [u64; D], per_stratum: u64) -> Result<Self, StratifiedError> {
+        let mut strata = 1_u64;
+        for (axis, &count) in counts.iter().enumerate() {
+            if count == 0 {
+                return Err(StratifiedError::NoStrata { axis });
+            }
+            strata = strata
+                .checked_mul(count)
+                .ok_or(StratifiedError::TooMany { per_stratum, axis })?;
+        }
+        if per_stratum == 0 {
+            return Err(StratifiedError::NoSamples);
+        }
+        if strata.checked_mul(per_stratum).is_none() {
+            return Err(StratifiedError::TooMany {
+                per_stratum,
+                axis: D,
+            });
+        }
+        Ok(Self {
+            counts,
+            widths: counts.map(|n| 1.0 / n as f64),
+            per_stratum,
+            strata,
+            jitter,
+        })
+    }
+
+    /// How many strata there are: Π counts.
+    #[must_use]
+    pub const fn strata(&self) -> u64 {
+        self.strata
+    }
+
+    /// n_m, the number of points in each stratum.
+    #[must_use]
+    pub const fn per_stratum(&self) -> u64 {
+        self.per_stratum
+    }
+
+    /// How many points the whole grid has; never 0.
+    #[must_use]
+    #[expect(clippy::len_without_is_empty, reason = "a grid is never empty")]
+    pub const fn len(&self) -> u64 {
+        self.strata * self.per_stratum
+    }
+}
+
+/// The points of one block of [`Stratified`].
+#[derive(Clone, Debug)]
+pub struct StratifiedStream<const D: usize, C> {
+    counts: [u64; D],
+    widths: [f64; D],
+    per_stratum: u64,
+    /// The stratum of the current point, and its lower corner.
+    cell: [u64; D],
+    corner: [f64; D],
+    left: u64,
+    axis: usize,
+    jitter: C,
+}
+
+impl<const D: usize, C> StratifiedStream<D, C> {
+    #[inline]
+    fn next_stratum(&mut self) {
+        for axis in (0..D).rev() {
+            self.cell[axis] += 1;
+            if self.cell[axis] < self.counts[axis] {
+                self.corner[axis] = self.cell[axis] as f64 * self.widths[axis];
+                return;
+            }
+            self.cell[axis] = 0;
+            self.corner[axis] = 0.0;
+        }
+    }
+}
+
+impl<const D: usize, C: Coordinates> Coordinates for StratifiedStream<D, C> {
+    #[inline]
+    fn next_point(&mut self) {
+        self.jitter.next_point();
+        self.axis = 0;
+        if self.left == 0 {
+            self.next_stratum();
+            self.left = self.per_stratum;
+        }
+        self.left -= 1;
+    }
+
+    #[inline]
+    fn next_1d(&mut self) -> f64 {
+        let u = self.jitter.next_1d();
+        let axis = self.axis;
+        if axis < D {
+            self.axis += 1;
+            // In the last stratum the sum may round up to 1.
+            (self.corner[axis] + u * self.widths[axis]).min(1.0 - f64::EPSILON / 2.0)
+        } else {
+            u
+        }
+    }
+}
+
+impl<const D: usize, J: Sampler> Sampler for Stratified<D, J> {
+    type Stream<'a>
+        = StratifiedStream<D, J::Stream<'a>>
+    where
+        Self: 'a;
+
+    fn stream(&self, block: Block) -> Self::Stream<'_> {
+        let mut stratum = block.start / self.per_stratum % self.strata;
+        let mut cell = [0; D];
+        for axis in (0..D).rev() {
+            cell[axis] = stratum % self.counts[axis];
+            stratum /= self.counts[axis];
+        }
+        StratifiedStream {
+            counts: self.counts,
+            widths: self.widths,
+            per_stratum: self.per_stratum,
+            cell,
+            corner: core::array::from_fn(|axis| cell[axis] as f64 * self.widths[axis]),
+            left: self.per_stratum - block.start % self.per_stratum,
+            axis: 0,
+            jitter: self.jitter.stream(block),
+        }
+    }
+}
+
+impl<const D: usize, J: Randomize> Randomize for Stratified<D, J> {
+    fn randomize(&self, replicate: u64) -> Self {
+        Self {
+            jitter: self.jitter.randomize(replicate),
+            ..*self
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_stratum_holds_its_points() {
+        let grid = Stratified::new([3, 5], 2, 1).unwrap();
+        let mut seen = [[0; 5]; 3];
+        let mut points = grid.stream(Block {
+            index: 0,
+            start: 0,
+            len: 30,
+        });
+        for _ in 0..grid.len() {
+            points.next_point();
+            let [x, y] = points.next_2d();
+            seen[(x * 3.0) as usize][(y * 5.0) as usize] += 1;
+            assert!((0.0..1.0).contains(&points.next_1d()));
+        }
+        assert_eq!(seen, [[2; 5]; 3]);
+    }
+
+    #[test]
+    fn the_grid_starts_again_after_its_last_stratum() {
+        let grid = Stratified::new([2], 1, 1).unwrap();
+        let mut points = grid.stream(Block {
+            index: 0,
+            start: 1,
+            len: 3,
+        });
+        let halves: [f64; 3] = core::array::from_fn(|_| {
+            points.next_point();
+            (points.next_1d() * 2.0).floor()
+        });
+        assert_eq!(halves, [1.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn the_last_stratum_stays_below_one() {
+        struct Last;
+        impl Coordinates for Last {
+            fn next_point(&mut self) {}
+            fn next_1d(&mut self) -> f64 {
+                1.0 - f64::EPSILON / 2.0
+            }
+        }
+        impl Sampler for Last {
+            type Stream<'a> = Last;
+            fn stream(&self, _: Block) -> Last {
+                Last
+            }
+        }
+        for count in 1..2000 {
+            let grid = Stratified::over(Last, [count], 1).unwrap();
+            let mut points = grid.stream(Block {
+                index: 0,
+                start: count - 1,
+                len: 1,
+            });
+            points.next_point();
+            assert!(points.next_1d() < 1.0, "{count}");
+        }
+    }
+
+    #[test]
+    fn refuses_what_is_not_a_grid() {
+        assert_eq!(
+            Stratified::new([2, 0], 1, 0).map(|_| ()),
+            Err(StratifiedError::NoStrata { axis: 1 })
+        );
+        assert_eq!(
+            Stratified::new([2], 0, 0).map(|_| ()),
+            Err(StratifiedError::NoSamples)
+        );
+        let overflow = Err(StratifiedError::TooMany {
+            per_stratum: 1,
+            axis: 1,
+        });
+        assert_eq!(Stratified::new([u64::MAX, 2], 1, 0).map(|_| ()), overflow);
+        assert!(Stratified::new([u64::MAX], 2, 0).is_err());
+    }
+}
