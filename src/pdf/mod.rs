@@ -6,6 +6,7 @@
 
 mod exponential;
 mod interval;
+mod product;
 
 pub use exponential::{Exponential, ExponentialError};
 pub use interval::{Interval, IntervalError};

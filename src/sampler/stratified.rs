@@ -89,6 +89,43 @@ impl<const D: usize> Stratified<D> {
     pub fn new(counts: [u64; D], per_stratum: u64, seed: u64) -> Result<Self, StratifiedError> {
         Self::over(Independent::new(seed), counts, per_stratum)
     }
+
+    /// The largest grid with the same count on every axis that `budget` points
+    /// fill, `per_stratum` in each stratum.
+    ///
+    /// # Errors
+    ///
+    /// `per_stratum` is at least 1, and `budget` at least `per_stratum`.
+    ///
+    /// # Example
+    ///
+    /// ```
+    /// use estimand::sampler::Stratified;
+    ///
+    /// let grid = Stratified::<3>::filling(2_100, 2, 7)?; // 10 × 10 × 10 × 2
+    /// assert_eq!(grid.len(), 2_000);
+    /// # Ok::<(), estimand::sampler::StratifiedError>(())
+    /// ```
+    pub fn filling(budget: u64, per_stratum: u64, seed: u64) -> Result<Self, StratifiedError> {
+        let strata = budget
+            .checked_div(per_stratum)
+            .ok_or(StratifiedError::NoSamples)?;
+        let fits = |n: u64| {
+            u32::try_from(D)
+                .ok()
+                .and_then(|d| n.checked_pow(d))
+                .is_some_and(|cells| cells <= strata)
+        };
+        let mut count = (strata as f64).powf(1.0 / D.max(1) as f64) as u64;
+        // The root is good to a rounding error.
+        while count > 0 && !fits(count) {
+            count -= 1;
+        }
+        while D > 0 && fits(count + 1) {
+            count += 1;
+        }
+        Self::new([count; D], per_stratum, seed)
+    }
 }
 
 impl<const D: usize, J> Stratified<D, J> {
@@ -135,6 +172,17 @@ impl<const D: usize, J> Stratified<D, J> {
     #[must_use]
     pub const fn per_stratum(&self) -> u64 {
         self.per_stratum
+    }
+
+    /// How many strata follow one another along one axis before another
+    /// changes.
+    pub(crate) fn row(&self) -> u64 {
+        self.counts
+            .iter()
+            .rev()
+            .copied()
+            .find(|&n| n > 1)
+            .unwrap_or(1)
     }
 
     /// How many points the whole grid has; never 0.
