@@ -8,7 +8,7 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use estimand::pdf::Interval;
+use estimand::pdf::UnitCube;
 use estimand::prelude::*;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -44,7 +44,7 @@ fn by_hand<const D: usize>(f: impl Fn([f64; D]) -> f64) -> f64 {
 
 #[inline(always)]
 fn plain<const D: usize>(f: impl Fn([f64; D]) -> f64) -> f64 {
-    let estimator = Importance::new(f, [Interval::unit(); D]);
+    let estimator = Importance::new(f, UnitCube::<D>);
     let sampler: Independent = Independent::new(7);
     let mut integrator = MonteCarlo::new(estimator, sampler);
     let answer = run(&mut integrator, &Serial, &Stop::samples(SAMPLES));
@@ -56,7 +56,7 @@ fn plain<const D: usize>(f: impl Fn([f64; D]) -> f64) -> f64 {
 /// Primary estimates on a sampler's points, summed: the cost of the points.
 #[inline(always)]
 fn points<const D: usize>(sampler: &impl Sampler) -> f64 {
-    let estimator = Importance::new(|x: [f64; D]| x.iter().sum::<f64>(), [Interval::unit(); D]);
+    let estimator = Importance::new(|x: [f64; D]| x.iter().sum::<f64>(), UnitCube::<D>);
     primary_estimates(&estimator, sampler, SAMPLES).sum()
 }
 
@@ -106,17 +106,14 @@ fn main() {
         Row {
             name: "stratified_1",
             bound: 1.25,
-            ours: || {
-                Stratified::new([SAMPLES], 1, 7).map_or(f64::NAN, |grid| points::<1>(&grid))
-            },
+            ours: || Stratified::new([SAMPLES], 1, 7).map_or(f64::NAN, |grid| points::<1>(&grid)),
             theirs: || points::<1>(&Independent::<Pcg64Mcg>::new(7)),
         },
         Row {
             name: "stratified_5",
             bound: 1.25,
             ours: || {
-                Stratified::<5>::filling(SAMPLES, 1, 7)
-                    .map_or(f64::NAN, |grid| points::<5>(&grid))
+                Stratified::<5>::filling(SAMPLES, 1, 7).map_or(f64::NAN, |grid| points::<5>(&grid))
             },
             theirs: || points::<5>(&Independent::<Pcg64Mcg>::new(7)),
         },
@@ -129,7 +126,10 @@ fn main() {
         }
         return;
     }
-    println!("{:<14} {:>9} {:>9} {:>7} {:>7}", "", "ours ns", "theirs ns", "ratio", "asked");
+    println!(
+        "{:<14} {:>9} {:>9} {:>7} {:>7}",
+        "", "ours ns", "theirs ns", "ratio", "asked"
+    );
     for row in rows {
         let mut times = [Vec::new(), Vec::new()];
         for _ in 0..ROUNDS {

@@ -76,10 +76,15 @@ impl<V: Value> Moments<V> {
         } else {
             self.mean
         };
-        let mut sums = Sums::<V>::ZERO;
-        for value in values {
-            sums.add(value.components(), origin);
-        }
+        let sums = if V::Components::COUNT == 1 {
+            Sums::of_scalars(values, origin)
+        } else {
+            let mut sums = Sums::ZERO;
+            for value in values {
+                sums.add(value.components(), origin);
+            }
+            sums
+        };
         if sums.are_finite() {
             self.absorb(values.len() as u64, origin, &sums);
         } else {
@@ -246,6 +251,9 @@ fn from_fn<V: Value>(f: impl FnMut(usize) -> f64) -> V::Wide {
     V::wide(components)
 }
 
+/// How many values of one component are added at once.
+const LANES: usize = 4;
+
 /// Raw sums of a slice about a fixed origin.
 struct Sums<V: Value> {
     first: V::Components,
@@ -285,6 +293,53 @@ impl<V: Value> Sums<V> {
                     (x.as_ref()[k] - origin.as_ref()[k]) * (x.as_ref()[l] - origin.as_ref()[l]);
             }
         }
+    }
+
+    /// The same sums for values of one component, in lanes that a processor
+    /// adds at once.
+    #[inline]
+    fn of_scalars(values: &[V], origin: V::Components) -> Self {
+        let origin_components = origin;
+        let origin = origin.as_ref()[0];
+        let [mut first, mut second, mut third, mut fourth, mut largest] = [[0.0; LANES]; 5];
+        let fours = values.chunks_exact(LANES);
+        let rest = fours.remainder();
+        for four in fours {
+            // One operation after the other, each on all lanes: that is what
+            // compilers see as vectors.
+            let x: [f64; LANES] = core::array::from_fn(|l| four[l].components().as_ref()[0]);
+            let d: [f64; LANES] = core::array::from_fn(|l| x[l] - origin);
+            let d2: [f64; LANES] = core::array::from_fn(|l| d[l] * d[l]);
+            first = core::array::from_fn(|l| first[l] + d[l]);
+            second = core::array::from_fn(|l| second[l] + d2[l]);
+            third = core::array::from_fn(|l| third[l] + d2[l] * d[l]);
+            fourth = core::array::from_fn(|l| fourth[l] + d2[l] * d2[l]);
+            largest = core::array::from_fn(|l| {
+                if x[l].abs() > largest[l] {
+                    x[l].abs()
+                } else {
+                    largest[l]
+                }
+            });
+        }
+        let mut sums = Self::ZERO;
+        for value in rest {
+            sums.add(value.components(), origin_components);
+        }
+        sums.add_lanes(&[first, second, third, fourth, largest]);
+        sums
+    }
+
+    /// Out of line: inlined, it makes compilers pack unlike sums together.
+    #[inline(never)]
+    fn add_lanes(&mut self, [first, second, third, fourth, largest]: &[[f64; LANES]; 5]) {
+        let total = |sum: &[f64; LANES]| (sum[0] + sum[1]) + (sum[2] + sum[3]);
+        self.first.as_mut()[0] += total(first);
+        self.second.as_mut()[0].as_mut()[0] += total(second);
+        self.third.as_mut()[0] += total(third);
+        self.fourth.as_mut()[0] += total(fourth);
+        let size = &mut self.largest.as_mut()[0];
+        *size = largest.iter().copied().fold(*size, f64::max);
     }
 
     /// Σ(x − origin) is finite only if every x is.

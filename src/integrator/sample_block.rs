@@ -19,7 +19,7 @@ pub enum NonFinite {
 
 /// How many primary estimates are taken before their moments are: so few that
 /// a processor overlaps the moments with the points that follow.
-const SLICE: usize = 32;
+const SLICE: usize = 128;
 
 /// Takes the primary estimates of a block, in order, into `moments`, and shows
 /// each slice of them to `see`.
