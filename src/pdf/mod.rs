@@ -4,11 +4,19 @@
 //! doc of each names the measure of its density: length, area, volume, solid
 //! angle, projected solid angle, or counting.
 
+mod cauchy;
 mod exponential;
 mod interval;
+mod linear;
+mod power;
+mod tent;
 
+pub use cauchy::{Cauchy, CauchyError};
 pub use exponential::{Exponential, ExponentialError};
 pub use interval::{Interval, IntervalError};
+pub use linear::{Linear, LinearError};
+pub use power::{Power, PowerError};
+pub use tent::{Tent, TentError};
 
 use core::fmt::Debug;
 
