@@ -8,15 +8,20 @@ mod cauchy;
 mod exponential;
 mod interval;
 mod linear;
+mod normal;
 mod power;
+mod standard_normal;
 mod tent;
+mod truncated_normal;
 
 pub use cauchy::{Cauchy, CauchyError};
 pub use exponential::{Exponential, ExponentialError};
 pub use interval::{Interval, IntervalError};
 pub use linear::{Linear, LinearError};
+pub use normal::{Normal, NormalError};
 pub use power::{Power, PowerError};
 pub use tent::{Tent, TentError};
+pub use truncated_normal::{TruncatedNormal, TruncatedNormalError};
 
 use core::fmt::Debug;
 
