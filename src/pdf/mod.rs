@@ -4,13 +4,26 @@
 //! doc of each names the measure of its density: length, area, volume, solid
 //! angle, projected solid angle, or counting.
 
+mod cauchy;
 mod exponential;
 mod interval;
+mod linear;
+mod normal;
+mod power;
 mod product;
+mod standard_normal;
+mod tent;
+mod truncated_normal;
 mod unit_cube;
 
+pub use cauchy::{Cauchy, CauchyError};
 pub use exponential::{Exponential, ExponentialError};
 pub use interval::{Interval, IntervalError};
+pub use linear::{Linear, LinearError};
+pub use normal::{Normal, NormalError};
+pub use power::{Power, PowerError};
+pub use tent::{Tent, TentError};
+pub use truncated_normal::{TruncatedNormal, TruncatedNormalError};
 pub use unit_cube::UnitCube;
 
 use core::fmt::Debug;
