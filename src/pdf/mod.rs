@@ -4,11 +4,20 @@
 //! doc of each names the measure of its density: length, area, volume, solid
 //! angle, projected solid angle, or counting.
 
+mod cone;
+mod cosine_hemisphere;
 mod exponential;
 mod interval;
+mod sphere;
+mod spherical;
+mod uniform_hemisphere;
 
+pub use cone::{UniformCone, UniformConeError};
+pub use cosine_hemisphere::CosineHemisphere;
 pub use exponential::{Exponential, ExponentialError};
 pub use interval::{Interval, IntervalError};
+pub use sphere::UniformSphere;
+pub use uniform_hemisphere::UniformHemisphere;
 
 use core::fmt::Debug;
 
