@@ -6,17 +6,21 @@
 
 mod cone;
 mod cosine_hemisphere;
+mod disk;
 mod exponential;
 mod interval;
 mod sphere;
 mod spherical;
+mod triangle;
 mod uniform_hemisphere;
 
 pub use cone::{UniformCone, UniformConeError};
 pub use cosine_hemisphere::CosineHemisphere;
+pub use disk::{ConcentricDisk, ConcentricDiskError};
 pub use exponential::{Exponential, ExponentialError};
 pub use interval::{Interval, IntervalError};
 pub use sphere::UniformSphere;
+pub use triangle::{UniformTriangle, UniformTriangleError};
 pub use uniform_hemisphere::UniformHemisphere;
 
 use core::fmt::Debug;
