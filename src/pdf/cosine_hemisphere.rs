@@ -35,7 +35,7 @@ use super::{Invert, Pdf, Sample};
 /// not checked. At grazing angles p vanishes: an integrand without a factor
 /// cos θ has infinite variance, since 1/cos θ is not integrable over ω.
 ///
-/// Source: Dutré, *Global Illumination Compendium* (2003), §35; Malley's
+/// Source: Dutré, *Global Illumination Compendium* (2003), item 35; Malley's
 /// method: the foot of ω is uniform on the unit disk.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CosineHemisphere;

@@ -34,7 +34,7 @@ use super::{Invert, Pdf, Sample};
 /// not checked. For integrands with a factor cos θ,
 /// [`CosineHemisphere`](super::CosineHemisphere) has less variance.
 ///
-/// Source: Dutré, *Global Illumination Compendium* (2003), §34.
+/// Source: Dutré, *Global Illumination Compendium* (2003), item 34.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct UniformHemisphere;
 
