@@ -6,8 +6,8 @@ pub use crate::integrand::{Integrand, with_scratch};
 pub use crate::integrate::{integrate, try_integrate};
 pub use crate::integrator::{Integrator, MonteCarlo, NonFinite, StratifiedMonteCarlo};
 pub use crate::pdf::{
-    CosineHemisphere, Exponential, Interval, Invert, Linear, Normal, Pdf, Sample, UniformHemisphere,
-    UnitCube,
+    CosineHemisphere, Exponential, Interval, Invert, Linear, Normal, Pdf, Sample,
+    UniformHemisphere, UnitCube,
 };
 #[cfg(feature = "parallel")]
 pub use crate::run::Threads;
