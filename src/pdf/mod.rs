@@ -7,6 +7,7 @@
 mod cauchy;
 mod cone;
 mod cosine_hemisphere;
+mod cuboid;
 mod disk;
 mod exponential;
 mod interval;
@@ -26,6 +27,7 @@ mod unit_cube;
 pub use cauchy::{Cauchy, CauchyError};
 pub use cone::{UniformCone, UniformConeError};
 pub use cosine_hemisphere::CosineHemisphere;
+pub use cuboid::{Cuboid, CuboidError};
 pub use disk::{ConcentricDisk, ConcentricDiskError};
 pub use exponential::{Exponential, ExponentialError};
 pub use interval::{Interval, IntervalError};
