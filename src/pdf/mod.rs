@@ -8,6 +8,7 @@ mod cauchy;
 mod cone;
 mod cosine_hemisphere;
 mod cuboid;
+mod discrete;
 mod disk;
 mod exponential;
 mod interval;
@@ -23,11 +24,13 @@ mod triangle;
 mod truncated_normal;
 mod uniform_hemisphere;
 mod unit_cube;
+mod weights;
 
 pub use cauchy::{Cauchy, CauchyError};
 pub use cone::{UniformCone, UniformConeError};
 pub use cosine_hemisphere::CosineHemisphere;
 pub use cuboid::{Cuboid, CuboidError};
+pub use discrete::Discrete;
 pub use disk::{ConcentricDisk, ConcentricDiskError};
 pub use exponential::{Exponential, ExponentialError};
 pub use interval::{Interval, IntervalError};
@@ -40,6 +43,7 @@ pub use triangle::{UniformTriangle, UniformTriangleError};
 pub use truncated_normal::{TruncatedNormal, TruncatedNormalError};
 pub use uniform_hemisphere::UniformHemisphere;
 pub use unit_cube::UnitCube;
+pub use weights::WeightsError;
 
 use core::fmt::Debug;
 
