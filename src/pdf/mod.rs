@@ -5,10 +5,12 @@
 //! angle, projected solid angle, or counting.
 
 mod cauchy;
+mod cdf;
 mod cone;
 mod cosine_hemisphere;
 mod cuboid;
 mod discrete;
+mod discrete_cdf;
 mod disk;
 mod exponential;
 mod interval;
@@ -31,6 +33,7 @@ pub use cone::{UniformCone, UniformConeError};
 pub use cosine_hemisphere::CosineHemisphere;
 pub use cuboid::{Cuboid, CuboidError};
 pub use discrete::Discrete;
+pub use discrete_cdf::DiscreteCdf;
 pub use disk::{ConcentricDisk, ConcentricDiskError};
 pub use exponential::{Exponential, ExponentialError};
 pub use interval::{Interval, IntervalError};
