@@ -109,19 +109,6 @@ impl<const D: usize> Cuboid<D> {
             },
         })
     }
-
-    /// [0, 1]^D.
-    #[must_use]
-    pub const fn unit() -> Self {
-        let () = Self::HAS_AXES;
-        Self {
-            shape: Shape::Bounded {
-                start: [0.0; D],
-                width: [1.0; D],
-                density: 1.0,
-            },
-        }
-    }
 }
 
 impl<const D: usize> Pdf for Cuboid<D> {
@@ -206,13 +193,6 @@ mod tests {
         for x in [[-0.1, 1.0], [1.0, 4.1], [f64::NAN, 1.0]] {
             assert_eq!(cuboid.density(&x), 0.0);
         }
-    }
-
-    #[test]
-    fn unit_is_the_unit_cube() {
-        const CUBE: Cuboid<2> = Cuboid::unit();
-        assert_eq!(Cuboid::new([0.0..1.0, 0.0..1.0]), Ok(CUBE));
-        assert_eq!(CUBE.sample([0.25, 0.75]).point, [0.25, 0.75]);
     }
 
     #[test]

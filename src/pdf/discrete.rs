@@ -1,6 +1,7 @@
 //! An index, by the alias method.
 
-use super::weights::{HALF_ULP, WeightsError, accumulate};
+use super::off_zero::HALF_ULP;
+use super::weights::{WeightsError, accumulate};
 use super::{Pdf, Sample};
 
 /// One of n indices, with probability proportional to its weight, in constant

@@ -17,6 +17,7 @@ mod interval;
 mod linear;
 mod mixture;
 mod normal;
+mod off_zero;
 mod partition;
 mod piecewise_constant;
 mod piecewise_constant_2d;

@@ -4,8 +4,9 @@ use core::fmt;
 use core::ops::Range;
 
 use super::cdf::Cdf;
+use super::off_zero::HALF_ULP;
 use super::partition::{Partition, PartitionError};
-use super::weights::{HALF_ULP, check};
+use super::weights::check;
 use super::{Invert, Pdf, Sample, WeightsError};
 
 /// A density that is linear between knots, with respect to length.

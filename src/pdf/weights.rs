@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use super::off_zero::HALF_ULP;
+
 /// Why a list of weights is not a probability distribution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -36,9 +38,6 @@ impl fmt::Display for WeightsError {
 }
 
 impl core::error::Error for WeightsError {}
-
-/// 2⁻⁵⁴, half the smallest positive coordinate: what u = 0 stands for.
-pub(super) const HALF_ULP: f64 = 1.0 / (1_u64 << 54) as f64;
 
 /// Whether there are weights, each finite and not negative.
 pub(super) fn check(weights: &[f64]) -> Result<(), WeightsError> {
