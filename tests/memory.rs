@@ -1,5 +1,7 @@
 //! Memory does not grow with the samples, and no sample allocates.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use std::hint::black_box;
 
 use allocation_counter::{AllocationInfo, measure};

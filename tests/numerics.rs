@@ -64,8 +64,8 @@ fn assert_close(a: &Moments<[f64; 2]>, b: &Moments<[f64; 2]>) {
     assert_eq!((a.count(), a.non_finite()), (b.count(), b.non_finite()));
     assert_eq!(a.largest(), b.largest());
     let size = a.largest();
-    for k in 0..2 {
-        assert_relative_eq!(a.mean()[k], b.mean()[k], epsilon = 1e-12 * size[k]);
+    for (k, s) in size.into_iter().enumerate() {
+        assert_relative_eq!(a.mean()[k], b.mean()[k], epsilon = 1e-12 * s);
     }
     match (a.covariance(), b.covariance()) {
         (None, None) => (),
