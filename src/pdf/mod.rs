@@ -6,9 +6,12 @@
 
 mod exponential;
 mod interval;
+mod product;
+mod unit_cube;
 
 pub use exponential::{Exponential, ExponentialError};
 pub use interval::{Interval, IntervalError};
+pub use unit_cube::UnitCube;
 
 use core::fmt::Debug;
 

@@ -33,11 +33,20 @@ use super::{Block, Coordinates, Iid, Randomize, Sampler};
 ///
 /// Source: Steele, Lea & Flood, *Fast Splittable Pseudorandom Number
 /// Generators* (2014), for the seeding.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Debug)]
 pub struct Independent<R = Pcg64Mcg> {
     seed: u64,
     generator: PhantomData<fn() -> R>,
 }
+
+// By hand: derived, they would ask the same of R, of which there is none here.
+impl<R> Clone for Independent<R> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<R> Copy for Independent<R> {}
 
 impl<R: Rng + SeedableRng> Independent<R> {
     /// The points that belong to `seed`. Any seed is as good as any other.

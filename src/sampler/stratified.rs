@@ -37,7 +37,6 @@ use super::{Block, Coordinates, Independent, Randomize, Sampler};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stratified<const D: usize, J = Independent> {
     counts: [u64; D],
-    widths: [f64; D],
     per_stratum: u64,
     strata: u64,
     jitter: J,
@@ -51,6 +50,13 @@ pub enum StratifiedError {
     NoStrata {
         /// Which axis.
         axis: usize,
+    },
+    /// The axis would be cut finer than coordinates are, 2⁻⁵³.
+    TooFine {
+        /// Which axis.
+        axis: usize,
+        /// How many parts were asked for.
+        count: u64,
     },
     /// No point is asked for in a stratum.
     NoSamples,
@@ -67,6 +73,10 @@ impl fmt::Display for StratifiedError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoStrata { axis } => write!(f, "axis {axis} is cut into 0 strata"),
+            Self::TooFine { axis, count } => write!(
+                f,
+                "axis {axis} is cut into {count} strata, more than the 2⁵³ values of a coordinate"
+            ),
             Self::NoSamples => write!(f, "0 samples a stratum were asked for"),
             Self::TooMany { per_stratum, axis } => write!(
                 f,
@@ -89,6 +99,43 @@ impl<const D: usize> Stratified<D> {
     pub fn new(counts: [u64; D], per_stratum: u64, seed: u64) -> Result<Self, StratifiedError> {
         Self::over(Independent::new(seed), counts, per_stratum)
     }
+
+    /// The largest grid with the same count on every axis that `budget` points
+    /// fill, `per_stratum` in each stratum.
+    ///
+    /// # Errors
+    ///
+    /// `per_stratum` is at least 1, and `budget` at least `per_stratum`.
+    ///
+    /// # Example
+    ///
+    /// ```
+    /// use estimand::sampler::Stratified;
+    ///
+    /// let grid = Stratified::<3>::filling(2_100, 2, 7)?; // 10 × 10 × 10 × 2
+    /// assert_eq!(grid.len(), 2_000);
+    /// # Ok::<(), estimand::sampler::StratifiedError>(())
+    /// ```
+    pub fn filling(budget: u64, per_stratum: u64, seed: u64) -> Result<Self, StratifiedError> {
+        let strata = budget
+            .checked_div(per_stratum)
+            .ok_or(StratifiedError::NoSamples)?;
+        let fits = |n: u64| {
+            u32::try_from(D)
+                .ok()
+                .and_then(|d| n.checked_pow(d))
+                .is_some_and(|cells| cells <= strata)
+        };
+        let mut count = (strata as f64).powf(1.0 / D.max(1) as f64) as u64;
+        // The root is good to a rounding error.
+        while count > 0 && !fits(count) {
+            count -= 1;
+        }
+        while D > 0 && fits(count + 1) {
+            count += 1;
+        }
+        Self::new([count; D], per_stratum, seed)
+    }
 }
 
 impl<const D: usize, J> Stratified<D, J> {
@@ -102,6 +149,9 @@ impl<const D: usize, J> Stratified<D, J> {
         for (axis, &count) in counts.iter().enumerate() {
             if count == 0 {
                 return Err(StratifiedError::NoStrata { axis });
+            }
+            if count > 1 << 53 {
+                return Err(StratifiedError::TooFine { axis, count });
             }
             strata = strata
                 .checked_mul(count)
@@ -118,7 +168,6 @@ impl<const D: usize, J> Stratified<D, J> {
         }
         Ok(Self {
             counts,
-            widths: counts.map(|n| 1.0 / n as f64),
             per_stratum,
             strata,
             jitter,
@@ -137,6 +186,17 @@ impl<const D: usize, J> Stratified<D, J> {
         self.per_stratum
     }
 
+    /// How many strata follow one another along one axis before another
+    /// changes.
+    pub(crate) fn row(&self) -> u64 {
+        self.counts
+            .iter()
+            .rev()
+            .copied()
+            .find(|&n| n > 1)
+            .unwrap_or(1)
+    }
+
     /// How many points the whole grid has; never 0.
     #[must_use]
     #[expect(clippy::len_without_is_empty, reason = "a grid is never empty")]
@@ -148,13 +208,15 @@ impl<const D: usize, J> Stratified<D, J> {
 /// The points of one block of [`Stratified`].
 #[derive(Clone, Debug)]
 pub struct StratifiedStream<const D: usize, C> {
-    counts: [u64; D],
+    /// nₖ, 1/nₖ, and jₖ of the current stratum: whole numbers, kept as `f64` to
+    /// be added to ξ without conversion.
+    counts: [f64; D],
     widths: [f64; D],
+    cell: [f64; D],
     per_stratum: u64,
-    /// The stratum of the current point, and its lower corner.
-    cell: [u64; D],
-    corner: [f64; D],
+    /// How many points of the stratum are still to come.
     left: u64,
+    /// Which coordinate comes next.
     axis: usize,
     jitter: C,
 }
@@ -163,16 +225,20 @@ impl<const D: usize, C> StratifiedStream<D, C> {
     #[inline]
     fn next_stratum(&mut self) {
         for axis in (0..D).rev() {
-            self.cell[axis] += 1;
+            self.cell[axis] += 1.0;
             if self.cell[axis] < self.counts[axis] {
-                self.corner[axis] = self.cell[axis] as f64 * self.widths[axis];
-                return;
+                break;
             }
-            self.cell[axis] = 0;
-            self.corner[axis] = 0.0;
+            end_of_row();
+            self.cell[axis] = 0.0;
         }
     }
 }
+
+/// Tells the compiler that the end of a row is rare: it then branches, where a
+/// select would put its latency on every point.
+#[cold]
+fn end_of_row() {}
 
 impl<const D: usize, C: Coordinates> Coordinates for StratifiedStream<D, C> {
     #[inline]
@@ -180,20 +246,22 @@ impl<const D: usize, C: Coordinates> Coordinates for StratifiedStream<D, C> {
         self.jitter.next_point();
         self.axis = 0;
         if self.left == 0 {
-            self.next_stratum();
             self.left = self.per_stratum;
+            self.next_stratum();
         }
         self.left -= 1;
     }
 
     #[inline]
     fn next_1d(&mut self) -> f64 {
+        const LAST: f64 = 1.0 - f64::EPSILON / 2.0;
         let u = self.jitter.next_1d();
         let axis = self.axis;
         if axis < D {
             self.axis += 1;
-            // In the last stratum the sum may round up to 1.
-            (self.corner[axis] + u * self.widths[axis]).min(1.0 - f64::EPSILON / 2.0)
+            let x = (self.cell[axis] + u) * self.widths[axis];
+            // In the last stratum the sum may round up to the count.
+            if x < LAST { x } else { LAST }
         } else {
             u
         }
@@ -208,17 +276,16 @@ impl<const D: usize, J: Sampler> Sampler for Stratified<D, J> {
 
     fn stream(&self, block: Block) -> Self::Stream<'_> {
         let mut stratum = block.start / self.per_stratum % self.strata;
-        let mut cell = [0; D];
-        for axis in (0..D).rev() {
-            cell[axis] = stratum % self.counts[axis];
-            stratum /= self.counts[axis];
+        let mut cell = [0.0; D];
+        for (j, n) in cell.iter_mut().zip(self.counts).rev() {
+            *j = (stratum % n) as f64;
+            stratum /= n;
         }
         StratifiedStream {
-            counts: self.counts,
-            widths: self.widths,
-            per_stratum: self.per_stratum,
+            counts: self.counts.map(|n| n as f64),
+            widths: self.counts.map(|n| 1.0 / n as f64),
             cell,
-            corner: core::array::from_fn(|axis| cell[axis] as f64 * self.widths[axis]),
+            per_stratum: self.per_stratum,
             left: self.per_stratum - block.start % self.per_stratum,
             axis: 0,
             jitter: self.jitter.stream(block),
@@ -313,7 +380,18 @@ mod tests {
             per_stratum: 1,
             axis: 1,
         });
-        assert_eq!(Stratified::new([u64::MAX, 2], 1, 0).map(|_| ()), overflow);
-        assert!(Stratified::new([u64::MAX], 2, 0).is_err());
+        assert_eq!(
+            Stratified::new([1 << 53, 1 << 11], 1, 0).map(|_| ()),
+            overflow
+        );
+        assert!(Stratified::new([1 << 52], 1 << 12, 0).is_err());
+        let finest = (1 << 53) + 1;
+        assert_eq!(
+            Stratified::new([finest], 1, 0).map(|_| ()),
+            Err(StratifiedError::TooFine {
+                axis: 0,
+                count: finest
+            })
+        );
     }
 }

@@ -1,0 +1,135 @@
+//! The answer: a mean with an error bar, and what stands behind it.
+
+mod display;
+mod interval;
+mod moments;
+mod ratio;
+mod sum;
+mod tolerance;
+
+pub use interval::{ConfidenceInterval, LevelError};
+pub use moments::Moments;
+pub use ratio::{Ratio, RatioError};
+pub use tolerance::{Measure, Tolerance, ToleranceError};
+
+use crate::value::{Components, Value};
+
+/// The mean of primary estimates, with its error bar.
+///
+/// `mean` ± `standard_error`, by component; the other fields say how far to
+/// trust it. Prints as `13.4998(12)`: the digits in parentheses are the
+/// standard error in units of the last digits.
+///
+/// # Example
+///
+/// ```
+/// use estimand::estimate::{Estimate, Moments};
+///
+/// let primary: Moments<f64> = [12.0, 16.5].into_iter().collect();
+/// let estimate = Estimate::independent(&primary).ok_or("no sample")?;
+/// assert_eq!(estimate.mean, 14.25);
+/// assert_eq!(estimate.standard_error, 2.25);
+/// assert_eq!(estimate.to_string(), "14.2(2.2)");
+/// # Ok::<(), &str>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate<V: Value> {
+    /// The estimate ⟨I⟩.
+    pub mean: V::Wide,
+    /// The standard deviation of the estimate, infinite where the samples are
+    /// too few to tell.
+    pub standard_error: V::Wide,
+    /// The covariance of the components of the estimate.
+    pub covariance: <V::Components as Components>::Matrix,
+    /// Of Student's t for the error bar.
+    pub degrees_of_freedom: f64,
+    /// What the error bar was taken from.
+    pub error_source: ErrorSource,
+    /// Of the primary estimates, all pooled: how many there were, how they are
+    /// spread, the largest, how many were not finite.
+    pub moments: Moments<V>,
+}
+
+/// What an error bar was taken from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ErrorSource {
+    /// The spread of independent points: σ/√n.
+    Independent,
+    /// The spread within each stratum.
+    WithinStrata,
+    /// Differences of neighbouring strata of one sample each: too large by
+    /// what the integrand changes from one to the next.
+    NeighbouringStrata,
+    /// A sum of independent estimates with error bars of their own.
+    Sum,
+}
+
+impl<V: Value> Estimate<V> {
+    /// The mean of independent primary estimates, its error σ/√n; `None` of an
+    /// empty sample.
+    #[must_use]
+    pub fn independent(moments: &Moments<V>) -> Option<Self> {
+        let n = moments.count() as f64;
+        let covariance = moments.covariance().map(|c| scaled::<V>(c, 1.0 / n));
+        Self::new(
+            moments.mean(),
+            covariance,
+            n - 1.0,
+            ErrorSource::Independent,
+            moments,
+        )
+    }
+
+    /// An estimate whose mean and covariance were found elsewhere; `None` of an
+    /// empty sample, an infinite error bar where the covariance is not known.
+    pub(crate) fn new(
+        mean: V::Wide,
+        covariance: Option<<V::Components as Components>::Matrix>,
+        degrees_of_freedom: f64,
+        error_source: ErrorSource,
+        moments: &Moments<V>,
+    ) -> Option<Self> {
+        if moments.count() == 0 {
+            return None;
+        }
+        let covariance = covariance.unwrap_or_else(|| {
+            let mut unknown = V::Components::ZERO_MATRIX;
+            for row in unknown.as_mut() {
+                row.as_mut().fill(f64::INFINITY);
+            }
+            unknown
+        });
+        let mut standard_error = V::Components::ZERO;
+        for (k, s) in standard_error.as_mut().iter_mut().enumerate() {
+            *s = covariance.as_ref()[k].as_ref()[k].sqrt();
+        }
+        Some(Self {
+            mean,
+            standard_error: V::wide(standard_error),
+            covariance,
+            degrees_of_freedom: degrees_of_freedom.max(0.0),
+            error_source,
+            moments: *moments,
+        })
+    }
+
+    /// How many primary estimates it is the mean of.
+    #[must_use]
+    pub const fn samples(&self) -> u64 {
+        self.moments.count()
+    }
+}
+
+/// `matrix` · `factor`.
+pub(crate) fn scaled<V: Value>(
+    mut matrix: <V::Components as Components>::Matrix,
+    factor: f64,
+) -> <V::Components as Components>::Matrix {
+    for row in matrix.as_mut() {
+        for x in row.as_mut() {
+            *x *= factor;
+        }
+    }
+    matrix
+}

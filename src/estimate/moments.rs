@@ -1,0 +1,492 @@
+//! Central moments of the primary estimates.
+
+use crate::merge::Merge;
+use crate::value::{Components, Value};
+
+/// Count, mean, covariance, third and fourth central moments and the largest
+/// magnitude of the values seen, by component.
+///
+/// ```text
+/// Mₖ = Σ (xᵢ − x̄)ᵏ      Cⱼₗ = Σ (xᵢⱼ − x̄ⱼ)(xᵢₗ − x̄ₗ)
+/// ```
+///
+/// Values that are NaN or infinite in any component, or so large that their
+/// distance from the mean is, are counted apart and touch nothing else. Sums are taken about the running mean and then moved
+/// to the new one, so that 10⁹ ± 10⁻³ keeps its variance.
+///
+/// # Example
+///
+/// ```
+/// use estimand::estimate::Moments;
+///
+/// let m: Moments<f64> = [11.25, 15.75].into_iter().collect();
+/// assert_eq!(m.mean(), 13.5);
+/// assert_eq!(m.variance(), Some(10.125));
+/// ```
+///
+/// Source: Chan, Golub & LeVeque, *Algorithms for Computing the Sample
+/// Variance* (1983); Pébay, *Formulas for Robust, One-Pass Parallel
+/// Computation of Covariances and Arbitrary-Order Statistical Moments* (2008).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moments<V: Value> {
+    count: u64,
+    non_finite: u64,
+    mean: V::Components,
+    /// Lower triangle of Σ (x − x̄)(x − x̄)ᵀ.
+    second: <V::Components as Components>::Matrix,
+    third: V::Components,
+    fourth: V::Components,
+    largest: V::Components,
+}
+
+impl<V: Value> Default for Moments<V> {
+    fn default() -> Self {
+        Self {
+            count: 0,
+            non_finite: 0,
+            mean: V::Components::ZERO,
+            second: V::Components::ZERO_MATRIX,
+            third: V::Components::ZERO,
+            fourth: V::Components::ZERO,
+            largest: V::Components::ZERO,
+        }
+    }
+}
+
+impl<V: Value> Moments<V> {
+    /// Of nothing.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds one value.
+    #[inline]
+    pub fn push(&mut self, value: V) {
+        self.push_all(&[value]);
+    }
+
+    /// Adds a slice of values: faster than one by one, the division and the
+    /// move to the new mean happen once a slice.
+    #[inline]
+    pub fn push_all(&mut self, values: &[V]) {
+        let Some(first) = values.first() else { return };
+        let origin = if self.count == 0 {
+            first.components()
+        } else {
+            self.mean
+        };
+        let sums = if V::Components::COUNT == 1 {
+            Sums::of_scalars(values, origin)
+        } else {
+            let mut sums = Sums::ZERO;
+            for value in values {
+                sums.add(value.components(), origin);
+            }
+            sums
+        };
+        if sums.are_finite() {
+            self.absorb(values.len() as u64, origin, &sums);
+        } else {
+            self.push_each(values);
+        }
+    }
+
+    /// The slow way, for a slice in which something is not finite.
+    #[cold]
+    fn push_each(&mut self, values: &[V]) {
+        for value in values {
+            let components = value.components();
+            let origin = if self.count == 0 {
+                components
+            } else {
+                self.mean
+            };
+            let mut sums = Sums::<V>::ZERO;
+            sums.add(components, origin);
+            if sums.are_finite() {
+                self.absorb(1, origin, &sums);
+            } else {
+                self.non_finite += 1;
+            }
+        }
+    }
+
+    /// Adds the sums of `added` values about `origin`, which is the mean so
+    /// far (or anything while there is none), and moves all to the new mean.
+    #[inline]
+    fn absorb(&mut self, added: u64, origin: V::Components, sums: &Sums<V>) {
+        self.count += added;
+        let n = self.count as f64;
+        let mut shift = V::Components::ZERO;
+        for k in 0..V::Components::COUNT {
+            let d = sums.first.as_ref()[k] / n;
+            let s2 = self.second.as_ref()[k].as_ref()[k] + sums.second.as_ref()[k].as_ref()[k];
+            let s3 = self.third.as_ref()[k] + sums.third.as_ref()[k];
+            let s4 = self.fourth.as_ref()[k] + sums.fourth.as_ref()[k];
+            self.third.as_mut()[k] = s3 - d * (3.0 * s2 - 2.0 * n * d * d);
+            self.fourth.as_mut()[k] = s4 - d * (4.0 * s3 - d * (6.0 * s2 - 3.0 * n * d * d));
+            self.mean.as_mut()[k] = origin.as_ref()[k] + d;
+            let largest = &mut self.largest.as_mut()[k];
+            *largest = largest.max(sums.largest.as_ref()[k]);
+            shift.as_mut()[k] = d;
+        }
+        for k in 0..V::Components::COUNT {
+            for l in 0..=k {
+                self.second.as_mut()[k].as_mut()[l] +=
+                    sums.second.as_ref()[k].as_ref()[l] - n * shift.as_ref()[k] * shift.as_ref()[l];
+            }
+        }
+    }
+
+    /// How many finite values were added.
+    #[must_use]
+    pub const fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// How many values were NaN or infinite, and set aside.
+    #[must_use]
+    pub const fn non_finite(&self) -> u64 {
+        self.non_finite
+    }
+
+    /// x̄; zero of an empty sample.
+    #[must_use]
+    pub fn mean(&self) -> V::Wide {
+        V::wide(self.mean)
+    }
+
+    /// M₂/(n − 1), the unbiased sample variance; `None` below two values.
+    #[must_use]
+    pub fn variance(&self) -> Option<V::Wide> {
+        let covariance = self.covariance()?;
+        Some(from_fn::<V>(|k| covariance.as_ref()[k].as_ref()[k]))
+    }
+
+    /// C/(n − 1), the unbiased sample covariance of the components; `None`
+    /// below two values.
+    #[must_use]
+    pub fn covariance(&self) -> Option<<V::Components as Components>::Matrix> {
+        if self.count < 2 {
+            return None;
+        }
+        let scale = 1.0 / (self.count - 1) as f64;
+        let mut covariance = V::Components::ZERO_MATRIX;
+        for k in 0..V::Components::COUNT {
+            for l in 0..=k {
+                let mut c = self.second.as_ref()[k].as_ref()[l] * scale;
+                if k == l {
+                    // Rounding may leave a constant just below 0; squares
+                    // beyond 10³⁰⁸ leave ∞ − ∞.
+                    c = if c.is_nan() {
+                        f64::INFINITY
+                    } else {
+                        c.max(0.0)
+                    };
+                }
+                covariance.as_mut()[k].as_mut()[l] = c;
+                covariance.as_mut()[l].as_mut()[k] = c;
+            }
+        }
+        Some(covariance)
+    }
+
+    /// √n M₃ / M₂^(3/2); `None` where all values are equal or a moment
+    /// overflows.
+    #[must_use]
+    pub fn skewness(&self) -> Option<V::Wide> {
+        self.standardised(|n, m2, m3, _| n.sqrt() * m3 / (m2 * m2.sqrt()))
+    }
+
+    /// n M₄ / M₂² − 3; `None` where all values are equal or a moment
+    /// overflows.
+    #[must_use]
+    pub fn excess_kurtosis(&self) -> Option<V::Wide> {
+        self.standardised(|n, m2, _, m4| n * m4 / (m2 * m2) - 3.0)
+    }
+
+    fn standardised(&self, f: impl Fn(f64, f64, f64, f64) -> f64) -> Option<V::Wide> {
+        let n = self.count as f64;
+        let mut all_finite = true;
+        let result = from_fn::<V>(|k| {
+            let m2 = self.second.as_ref()[k].as_ref()[k];
+            let value = f(n, m2, self.third.as_ref()[k], self.fourth.as_ref()[k]);
+            all_finite &= value.is_finite();
+            value
+        });
+        all_finite.then_some(result)
+    }
+
+    /// (Σx)²/Σx², Kish's effective sample size of the values as weights: how
+    /// many equal values would estimate the sum as well. 0 of an empty sample
+    /// and where all values are zero.
+    #[must_use]
+    pub fn effective_sample_size(&self) -> V::Wide {
+        let n = self.count as f64;
+        from_fn::<V>(|k| {
+            let mean = self.mean.as_ref()[k];
+            let square = self.second.as_ref()[k].as_ref()[k] + n * mean * mean;
+            if square > 0.0 {
+                n * mean * (n * mean / square)
+            } else {
+                0.0
+            }
+        })
+    }
+
+    /// max |x|: the largest weight f/p.
+    #[must_use]
+    pub fn largest(&self) -> V::Wide {
+        V::wide(self.largest)
+    }
+}
+
+/// The value whose component k is f(k).
+fn from_fn<V: Value>(f: impl FnMut(usize) -> f64) -> V::Wide {
+    let mut components = V::Components::ZERO;
+    for (c, x) in components.as_mut().iter_mut().zip((0..).map(f)) {
+        *c = x;
+    }
+    V::wide(components)
+}
+
+/// How many values of one component are added at once.
+const LANES: usize = 4;
+
+/// Raw sums of a slice about a fixed origin.
+struct Sums<V: Value> {
+    first: V::Components,
+    second: <V::Components as Components>::Matrix,
+    third: V::Components,
+    fourth: V::Components,
+    largest: V::Components,
+}
+
+impl<V: Value> Sums<V> {
+    const ZERO: Self = Self {
+        first: V::Components::ZERO,
+        second: V::Components::ZERO_MATRIX,
+        third: V::Components::ZERO,
+        fourth: V::Components::ZERO,
+        largest: V::Components::ZERO,
+    };
+
+    #[inline]
+    fn add(&mut self, x: V::Components, origin: V::Components) {
+        for k in 0..V::Components::COUNT {
+            let x = x.as_ref()[k];
+            let d = x - origin.as_ref()[k];
+            self.first.as_mut()[k] += d;
+            self.third.as_mut()[k] += d * d * d;
+            self.fourth.as_mut()[k] += (d * d) * (d * d);
+            let largest = &mut self.largest.as_mut()[k];
+            *largest = if x.abs() > *largest {
+                x.abs()
+            } else {
+                *largest
+            };
+        }
+        for k in 0..V::Components::COUNT {
+            for l in 0..=k {
+                self.second.as_mut()[k].as_mut()[l] +=
+                    (x.as_ref()[k] - origin.as_ref()[k]) * (x.as_ref()[l] - origin.as_ref()[l]);
+            }
+        }
+    }
+
+    /// The same sums for values of one component, in lanes that a processor
+    /// adds at once.
+    #[inline]
+    fn of_scalars(values: &[V], origin: V::Components) -> Self {
+        let origin_components = origin;
+        let origin = origin.as_ref()[0];
+        let [mut first, mut second, mut third, mut fourth, mut largest] = [[0.0; LANES]; 5];
+        let fours = values.chunks_exact(LANES);
+        let rest = fours.remainder();
+        for four in fours {
+            // One operation after the other, each on all lanes: that is what
+            // compilers see as vectors.
+            let x: [f64; LANES] = core::array::from_fn(|l| four[l].components().as_ref()[0]);
+            let d: [f64; LANES] = core::array::from_fn(|l| x[l] - origin);
+            let d2: [f64; LANES] = core::array::from_fn(|l| d[l] * d[l]);
+            first = core::array::from_fn(|l| first[l] + d[l]);
+            second = core::array::from_fn(|l| second[l] + d2[l]);
+            third = core::array::from_fn(|l| third[l] + d2[l] * d[l]);
+            fourth = core::array::from_fn(|l| fourth[l] + d2[l] * d2[l]);
+            largest = core::array::from_fn(|l| {
+                if x[l].abs() > largest[l] {
+                    x[l].abs()
+                } else {
+                    largest[l]
+                }
+            });
+        }
+        let mut sums = Self::ZERO;
+        for value in rest {
+            sums.add(value.components(), origin_components);
+        }
+        sums.add_lanes(&[first, second, third, fourth, largest]);
+        sums
+    }
+
+    /// Out of line: inlined, it makes compilers pack unlike sums together.
+    #[inline(never)]
+    fn add_lanes(&mut self, [first, second, third, fourth, largest]: &[[f64; LANES]; 5]) {
+        let total = |sum: &[f64; LANES]| (sum[0] + sum[1]) + (sum[2] + sum[3]);
+        self.first.as_mut()[0] += total(first);
+        self.second.as_mut()[0].as_mut()[0] += total(second);
+        self.third.as_mut()[0] += total(third);
+        self.fourth.as_mut()[0] += total(fourth);
+        let size = &mut self.largest.as_mut()[0];
+        *size = largest.iter().copied().fold(*size, f64::max);
+    }
+
+    /// Σ(x − origin) is finite only if every x is.
+    #[inline]
+    fn are_finite(&self) -> bool {
+        self.first.as_ref().iter().all(|s| s.is_finite())
+    }
+}
+
+impl<V: Value> Merge for Moments<V> {
+    fn merge(&mut self, right: Self) {
+        if right.count == 0 {
+            self.non_finite += right.non_finite;
+            return;
+        }
+        if self.count == 0 {
+            let non_finite = self.non_finite;
+            *self = right;
+            self.non_finite += non_finite;
+            return;
+        }
+        let (n, m) = (self.count as f64, right.count as f64);
+        let mut apart = V::Components::ZERO;
+        for k in 0..V::Components::COUNT {
+            // Both are moved to the common mean and added there.
+            let d = right.mean.as_ref()[k] - self.mean.as_ref()[k];
+            let mut third = 0.0;
+            let mut fourth = 0.0;
+            for (part, count, d) in [
+                (&*self, n, -d * (m / (n + m))),
+                (&right, m, d * (n / (n + m))),
+            ] {
+                let m2 = part.second.as_ref()[k].as_ref()[k];
+                let m3 = part.third.as_ref()[k];
+                third += m3 + d * (3.0 * m2 + count * d * d);
+                fourth += part.fourth.as_ref()[k] + d * (4.0 * m3 + d * (6.0 * m2 + count * d * d));
+            }
+            self.third.as_mut()[k] = third;
+            self.fourth.as_mut()[k] = fourth;
+            self.mean.as_mut()[k] += d * (m / (n + m));
+            let largest = &mut self.largest.as_mut()[k];
+            *largest = largest.max(right.largest.as_ref()[k]);
+            apart.as_mut()[k] = d;
+        }
+        for k in 0..V::Components::COUNT {
+            for l in 0..=k {
+                self.second.as_mut()[k].as_mut()[l] += right.second.as_ref()[k].as_ref()[l]
+                    + apart.as_ref()[k] * apart.as_ref()[l] * (n * (m / (n + m)));
+            }
+        }
+        self.count += right.count;
+        self.non_finite += right.non_finite;
+    }
+}
+
+impl<V: Value> Extend<V> for Moments<V> {
+    fn extend<I: IntoIterator<Item = V>>(&mut self, values: I) {
+        for value in values {
+            self.push(value);
+        }
+    }
+}
+
+impl<V: Value> FromIterator<V> for Moments<V> {
+    fn from_iter<I: IntoIterator<Item = V>>(values: I) -> Self {
+        let mut moments = Self::new();
+        moments.extend(values);
+        moments
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    /// Two-pass sums, the textbook's definition.
+    fn by_definition(values: &[f64]) -> [f64; 4] {
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        core::array::from_fn(|k| match k {
+            0 => mean,
+            k => values.iter().map(|x| (x - mean).powi(k as i32 + 1)).sum(),
+        })
+    }
+
+    #[test]
+    fn slices_agree_with_the_definition() {
+        let values: Vec<f64> = (0..1000)
+            .map(|i| (f64::from(i) * 0.7).sin().exp())
+            .collect();
+        let [mean, m2, m3, m4] = by_definition(&values);
+        for size in [1, 7, 32, 1000] {
+            let mut m = Moments::<f64>::new();
+            for slice in values.chunks(size) {
+                m.push_all(slice);
+            }
+            assert_eq!(m.count(), 1000);
+            assert_relative_eq!(m.mean(), mean, max_relative = 1e-14);
+            assert_relative_eq!(m.second[0][0], m2, max_relative = 1e-12);
+            assert_relative_eq!(m.third[0], m3, max_relative = 1e-12);
+            assert_relative_eq!(m.fourth[0], m4, max_relative = 1e-12);
+            assert_eq!(m.largest(), values.iter().copied().fold(0.0, f64::max));
+        }
+    }
+
+    #[test]
+    fn what_is_not_finite_is_counted_and_touches_nothing() {
+        let mut m = Moments::<[f64; 2]>::new();
+        m.push_all(&[
+            [f64::NAN, 1.0],
+            [1.0, 2.0],
+            [0.0, f64::NEG_INFINITY],
+            [3.0, 6.0],
+        ]);
+        assert_eq!((m.count(), m.non_finite()), (2, 2));
+        assert_eq!(m.mean(), [2.0, 4.0]);
+        assert_eq!(m.covariance(), Some([[2.0, 4.0], [4.0, 8.0]]));
+        assert_eq!(m.largest(), [3.0, 6.0]);
+    }
+
+    #[test]
+    fn little_data_has_no_variance() {
+        assert_eq!(Moments::<f64>::new().variance(), None);
+        let one: Moments<f64> = [1.0].into_iter().collect();
+        assert_eq!(one.variance(), None);
+        let same: Moments<f64> = [1.0, 1.0].into_iter().collect();
+        assert_eq!((same.variance(), same.skewness()), (Some(0.0), None));
+    }
+
+    #[test]
+    fn effective_sample_size_counts_equal_weights() {
+        let m: Moments<f64> = [1.0, 1.0, 0.0, 0.0].into_iter().collect();
+        assert_relative_eq!(m.effective_sample_size(), 2.0, max_relative = 1e-15);
+    }
+
+    /// A first slice whose mean is far from the rest costs digits in
+    /// proportion to its size, not all of them.
+    #[test]
+    fn a_first_value_far_away_does_not_poison_the_variance() {
+        let mut values = vec![1e6];
+        values.extend((0..31).map(|i| f64::from(i % 2)));
+        let mut m = Moments::<f64>::new();
+        m.push_all(&values);
+        assert_relative_eq!(
+            m.second[0][0],
+            by_definition(&values)[1],
+            max_relative = 1e-13
+        );
+    }
+}

@@ -1,0 +1,217 @@
+//! How good an answer has to be.
+
+use core::fmt;
+
+use super::Estimate;
+use crate::value::{Components, Value};
+
+/// How small the standard error of an answer has to be.
+///
+/// ```text
+/// error ≤ max(absolute, relative · |I|)
+/// ```
+///
+/// # Example
+///
+/// ```
+/// use estimand::estimate::{Estimate, Moments, Tolerance};
+///
+/// let primary: Moments<f64> = [9.0, 11.0].into_iter().collect();
+/// let estimate = Estimate::independent(&primary).ok_or("no sample")?; // 10 ± 1
+/// assert!(Tolerance::relative(0.2)?.is_met_by(&estimate));
+/// assert!(!Tolerance::absolute(0.5)?.is_met_by(&estimate));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Notes
+///
+/// A run that ends as soon as its error bar is small enough ends a little too
+/// often when the bar happens to be too small: its intervals cover less than
+/// they say, the more so the fewer samples they take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    absolute: f64,
+    relative: f64,
+    measure: Measure,
+}
+
+/// Which error of a value with several components has to be small.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Measure {
+    /// That of each component, against that component.
+    #[default]
+    Each,
+    /// That of the component of this number.
+    Component(usize),
+    /// The Euclidean norm of all errors, against that of the value.
+    Norm,
+}
+
+/// Why a [`Tolerance`] was refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ToleranceError {
+    /// The absolute tolerance is not positive and finite.
+    Absolute(f64),
+    /// The relative tolerance is not positive and finite.
+    Relative(f64),
+    /// The value has no component of this number.
+    Component {
+        /// The component asked for.
+        component: usize,
+        /// How many there are.
+        count: usize,
+    },
+}
+
+impl fmt::Display for ToleranceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Absolute(t) => write!(
+                f,
+                "an absolute tolerance must be positive and finite, not {t}"
+            ),
+            Self::Relative(t) => write!(
+                f,
+                "a relative tolerance must be positive and finite, not {t}"
+            ),
+            Self::Component { component, count } => write!(
+                f,
+                "the tolerance is for component {component} of a value that has {count}"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for ToleranceError {}
+
+fn positive(t: f64) -> bool {
+    t > 0.0 && t.is_finite()
+}
+
+impl Tolerance {
+    /// error ≤ `tolerance`
+    ///
+    /// # Errors
+    ///
+    /// `tolerance` is positive and finite.
+    pub fn absolute(tolerance: f64) -> Result<Self, ToleranceError> {
+        if !positive(tolerance) {
+            return Err(ToleranceError::Absolute(tolerance));
+        }
+        Ok(Self {
+            absolute: tolerance,
+            relative: 0.0,
+            measure: Measure::default(),
+        })
+    }
+
+    /// error ≤ `tolerance` · |I|
+    ///
+    /// # Errors
+    ///
+    /// `tolerance` is positive and finite.
+    pub fn relative(tolerance: f64) -> Result<Self, ToleranceError> {
+        if !positive(tolerance) {
+            return Err(ToleranceError::Relative(tolerance));
+        }
+        Ok(Self {
+            absolute: 0.0,
+            relative: tolerance,
+            measure: Measure::default(),
+        })
+    }
+
+    /// Either of two: error ≤ max(`absolute`, `relative` · |I|).
+    ///
+    /// # Errors
+    ///
+    /// Both are positive and finite.
+    pub fn either(absolute: f64, relative: f64) -> Result<Self, ToleranceError> {
+        Ok(Self {
+            absolute: Self::absolute(absolute)?.absolute,
+            ..Self::relative(relative)?
+        })
+    }
+
+    /// The same tolerance for another measure of a value's error.
+    #[must_use]
+    pub const fn of(self, measure: Measure) -> Self {
+        Self { measure, ..self }
+    }
+
+    /// Whether a value of `count` components has what this is a tolerance of.
+    ///
+    /// # Errors
+    ///
+    /// The component it names exists.
+    pub const fn check(&self, count: usize) -> Result<(), ToleranceError> {
+        match self.measure {
+            Measure::Component(component) if component >= count => {
+                Err(ToleranceError::Component { component, count })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether `estimate` is good enough.
+    #[must_use]
+    pub fn is_met_by<V: Value>(&self, estimate: &Estimate<V>) -> bool {
+        let (mean, error) = (
+            estimate.mean.components(),
+            estimate.standard_error.components(),
+        );
+        let (mean, error) = (mean.as_ref(), error.as_ref());
+        let small = |error: f64, size: f64| error <= self.absolute.max(self.relative * size);
+        let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        match self.measure {
+            Measure::Each => (0..V::Components::COUNT).all(|k| small(error[k], mean[k].abs())),
+            Measure::Component(k) => k < mean.len() && small(error[k], mean[k].abs()),
+            Measure::Norm => small(norm(error), norm(mean)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::Moments;
+
+    #[test]
+    fn the_measure_decides() {
+        // (10 ± 1, 1 ± 1)
+        let m: Moments<[f64; 2]> = [[9.0, 0.0], [11.0, 2.0]].into_iter().collect();
+        let e = Estimate::independent(&m).unwrap();
+        let ten_percent = Tolerance::relative(0.1).unwrap();
+        assert!(!ten_percent.is_met_by(&e));
+        assert!(ten_percent.of(Measure::Component(0)).is_met_by(&e));
+        assert!(!ten_percent.of(Measure::Component(1)).is_met_by(&e));
+        assert!(!ten_percent.of(Measure::Norm).is_met_by(&e));
+        let norm = Tolerance::relative(0.15).unwrap().of(Measure::Norm);
+        assert!(norm.is_met_by(&e));
+        assert!(Tolerance::either(1.0, 0.1).unwrap().is_met_by(&e));
+    }
+
+    #[test]
+    fn refuses_what_cannot_be_met() {
+        for t in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(matches!(
+                Tolerance::absolute(t),
+                Err(ToleranceError::Absolute(_))
+            ));
+            assert!(matches!(
+                Tolerance::either(1.0, t),
+                Err(ToleranceError::Relative(_))
+            ));
+        }
+        let third = Tolerance::absolute(1.0).unwrap().of(Measure::Component(2));
+        assert_eq!(
+            third.check(2),
+            Err(ToleranceError::Component {
+                component: 2,
+                count: 2
+            })
+        );
+    }
+}

@@ -1,0 +1,63 @@
+//! Spends a budget of samples, pass by pass.
+
+mod monte_carlo;
+mod plan;
+mod sample_block;
+mod sample_error;
+mod stratified_monte_carlo;
+
+pub use monte_carlo::MonteCarlo;
+pub use sample_block::NonFinite;
+pub use sample_error::{Cause, SampleError};
+pub use stratified_monte_carlo::StratifiedMonteCarlo;
+
+use core::ops::ControlFlow;
+
+use crate::estimate::Tolerance;
+use crate::merge::Merge;
+
+/// Spends a budget pass by pass; [`run`](crate::run::run) owns the loop.
+///
+/// A pass is planned, cut into blocks, and its blocks are computed in any
+/// order, on any thread: `block` is pure in (self, index). What they give is
+/// merged in their order along a fixed tree and absorbed. That is why a run
+/// gives the same bits wherever its blocks were computed.
+pub trait Integrator {
+    /// What it is after.
+    type Answer;
+    /// What a block contributes.
+    type Partial: Merge;
+    /// What may end it early: a sample that fails.
+    type Error;
+
+    /// How many samples it has taken in all.
+    fn spent(&self) -> u64;
+
+    /// The fewest samples that the next pass takes.
+    fn smallest_pass(&self) -> u64;
+
+    /// Plans the next pass, of at most `budget` samples, and returns the number
+    /// of its blocks: 0 if `budget` is below the smallest pass.
+    fn plan(&mut self, budget: u64) -> u64;
+
+    /// Computes a block of the planned pass. `Break` ends the pass with this
+    /// block: what later blocks found is dropped.
+    fn block(&self, index: u64) -> ControlFlow<Self::Partial, Self::Partial>;
+
+    /// Takes in the first `blocks` blocks of the planned pass, merged: all of
+    /// them, or fewer if the pass was interrupted or ended by a `Break`.
+    ///
+    /// # Errors
+    ///
+    /// What made a block break.
+    fn absorb(&mut self, pass: Self::Partial, blocks: u64) -> Result<(), Self::Error>;
+
+    /// How many components its answer has, each with an error of its own.
+    fn components(&self) -> usize;
+
+    /// Whether the answer so far is as good as asked.
+    fn meets(&self, tolerance: &Tolerance) -> bool;
+
+    /// The answer so far; `None` before there is any.
+    fn answer(&self) -> Option<Self::Answer>;
+}

@@ -1,0 +1,146 @@
+//! Plain Monte Carlo.
+
+use core::ops::ControlFlow;
+
+use super::plan::Plan;
+use super::sample_block::sample_block;
+use super::sample_error::Failure;
+use super::{Integrator, NonFinite, SampleError};
+use crate::estimate::{Estimate, Moments, Tolerance};
+use crate::estimator::TryEstimator;
+use crate::merge::Merge;
+use crate::sampler::{Iid, Independent};
+use crate::value::{Components, Value};
+
+/// The mean of primary estimates at independent points.
+///
+/// ```text
+/// ⟨I⟩ = (1/N) Σ f(xᵢ)/p(xᵢ)      standard error = √(Σ (f/p − ⟨I⟩)² / N(N − 1))
+/// ```
+///
+/// Its error falls like 1/√N in any dimension.
+///
+/// # Example
+///
+/// ```
+/// use estimand::prelude::*;
+///
+/// let estimator = Importance::new(|x| x + 2.0, Interval::new(1.0, 4.0)?);
+/// let mut integrator = MonteCarlo::new(estimator, Independent::new(7));
+/// let first = run(&mut integrator, &Serial, &Stop::samples(10_000))?.answer;
+/// // Refined: the first 10,000 samples are kept.
+/// let better = run(&mut integrator, &Serial, &Stop::samples(1_000_000))?.answer;
+/// assert_eq!((first.samples(), better.samples()), (10_000, 1_000_000));
+/// assert!((better.mean - 13.5).abs() < 5.0 * better.standard_error);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct MonteCarlo<E: TryEstimator, S = Independent> {
+    sampler: S,
+    estimator: E,
+    non_finite: NonFinite,
+    moments: Moments<E::Value>,
+    /// The number of the next block and the next sample.
+    next: (u64, u64),
+    plan: Plan,
+}
+
+/// What a block of [`MonteCarlo`] contributes.
+#[derive(Clone, Debug)]
+pub struct MonteCarloPartial<V: Value, E> {
+    moments: Moments<V>,
+    failure: Option<Failure<V, E>>,
+}
+
+impl<V: Value, E> Merge for MonteCarloPartial<V, E> {
+    fn merge(&mut self, right: Self) {
+        self.moments.merge(right.moments);
+        self.failure = self.failure.take().or(right.failure);
+    }
+}
+
+impl<E: TryEstimator, S: Iid> MonteCarlo<E, S> {
+    /// Averages `estimator` over the points of `sampler`.
+    pub fn new(estimator: E, sampler: S) -> Self {
+        Self {
+            sampler,
+            estimator,
+            non_finite: NonFinite::Refuse,
+            moments: Moments::new(),
+            next: (0, 0),
+            plan: Plan::default(),
+        }
+    }
+
+    /// The same with another way to treat values that are NaN or infinite.
+    #[must_use]
+    pub fn on_non_finite(self, non_finite: NonFinite) -> Self {
+        Self { non_finite, ..self }
+    }
+}
+
+/// A first pass large enough to judge an error by; later ones half of what
+/// came before, so that a tolerance is not overshot by much.
+const FIRST_PASS: u64 = 1024;
+
+impl<E: TryEstimator, S: Iid> Integrator for MonteCarlo<E, S> {
+    type Answer = Estimate<E::Value>;
+    type Partial = MonteCarloPartial<E::Value, E::Error>;
+    type Error = SampleError<E::Value, E::Error>;
+
+    fn spent(&self) -> u64 {
+        self.moments.count() + self.moments.non_finite()
+    }
+
+    fn smallest_pass(&self) -> u64 {
+        1
+    }
+
+    fn plan(&mut self, budget: u64) -> u64 {
+        let (index, start) = self.next;
+        let samples = (self.spent() / 2).max(FIRST_PASS).min(budget);
+        self.plan = Plan::new(index, start, samples, 1);
+        self.plan.blocks()
+    }
+
+    fn block(&self, index: u64) -> ControlFlow<Self::Partial, Self::Partial> {
+        let mut moments = Moments::new();
+        let failure = sample_block(
+            &self.sampler,
+            &self.estimator,
+            self.plan.block(index),
+            self.non_finite,
+            &mut moments,
+            |_| (),
+        )
+        .err();
+        let ended = failure.is_some();
+        let partial = MonteCarloPartial { moments, failure };
+        if ended {
+            ControlFlow::Break(partial)
+        } else {
+            ControlFlow::Continue(partial)
+        }
+    }
+
+    fn absorb(&mut self, pass: Self::Partial, blocks: u64) -> Result<(), Self::Error> {
+        self.next = self.plan.after(blocks);
+        self.moments.merge(pass.moments);
+        match pass.failure {
+            None => Ok(()),
+            Some(failure) => Err(failure.explain(&self.sampler, &self.estimator)),
+        }
+    }
+
+    fn components(&self) -> usize {
+        <E::Value as Value>::Components::COUNT
+    }
+
+    fn meets(&self, tolerance: &Tolerance) -> bool {
+        self.answer().is_some_and(|e| tolerance.is_met_by(&e))
+    }
+
+    fn answer(&self) -> Option<Self::Answer> {
+        Estimate::independent(&self.moments)
+    }
+}

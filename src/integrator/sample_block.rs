@@ -1,0 +1,82 @@
+//! Takes the primary estimates of a block.
+
+use super::sample_error::{Cause, Failure};
+use crate::estimate::Moments;
+use crate::estimator::TryEstimator;
+use crate::sampler::{Block, Coordinates, Sampler};
+use crate::value::Value;
+
+/// What to do with a primary estimate that is NaN or infinite.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum NonFinite {
+    /// End the run with an error that says where it happened.
+    #[default]
+    Refuse,
+    /// Count it, leave it out, and go on: the answer is then the mean over the
+    /// points where the value is finite.
+    SetAside,
+}
+
+/// How many primary estimates are taken before their moments are: so few that
+/// a processor overlaps the moments with the points that follow.
+const SLICE: usize = 128;
+
+/// Takes the primary estimates of a block, in order, into `moments`, and shows
+/// each slice of them to `see`.
+#[inline]
+pub(super) fn sample_block<S: Sampler, E: TryEstimator>(
+    sampler: &S,
+    estimator: &E,
+    block: Block,
+    non_finite: NonFinite,
+    moments: &mut Moments<E::Value>,
+    mut see: impl FnMut(&[E::Value]),
+) -> Result<(), Failure<E::Value, E::Error>> {
+    let mut points = sampler.stream(block);
+    let mut next = || {
+        points.next_point();
+        estimator.try_estimate(&mut points)
+    };
+    let fail = |offset, cause| Failure {
+        cause,
+        block,
+        offset,
+    };
+    let mut done = 0;
+    while done < block.len {
+        let len = (block.len - done).min(SLICE as u64) as usize;
+        let first = next().map_err(|e| fail(done, Cause::Integrand(e)))?;
+        let mut slice = [first; SLICE];
+        let mut taken = 1;
+        let mut error = None;
+        while taken < len {
+            match next() {
+                Ok(value) => slice[taken] = value,
+                Err(e) => {
+                    error = Some(e);
+                    break;
+                }
+            }
+            taken += 1;
+        }
+        let slice = &slice[..taken];
+        let before = moments.non_finite();
+        moments.push_all(slice);
+        if moments.non_finite() > before && non_finite == NonFinite::Refuse {
+            let bad = slice.iter().position(|v| !is_finite(*v)).unwrap_or(0);
+            return Err(fail(done + bad as u64, Cause::NonFinite(slice[bad])));
+        }
+        see(slice);
+        done += taken as u64;
+        if let Some(error) = error {
+            return Err(fail(done, Cause::Integrand(error)));
+        }
+    }
+    Ok(())
+}
+
+/// Whether all components are.
+#[inline]
+pub(super) fn is_finite<V: Value>(value: V) -> bool {
+    value.components().as_ref().iter().all(|x| x.is_finite())
+}

@@ -1,0 +1,116 @@
+//! A sample that ends a run, and where it was.
+
+use core::convert::Infallible;
+use core::fmt;
+
+use crate::estimator::{Location, TryEstimator};
+use crate::sampler::{Block, Coordinates, Sampler};
+
+/// A sample that ended a run: why, which, and where.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SampleError<V, E = Infallible> {
+    /// Why.
+    pub cause: Cause<V, E>,
+    /// The number of the sample in the run, from 0.
+    pub sample: u64,
+    /// The coordinates that it read, in order: what
+    /// [`Replay`](crate::sampler::Replay) takes.
+    pub unit: Vec<f64>,
+    /// Where that is in the domain. A density there that is not positive is
+    /// the fault of the pdf.
+    pub location: Location,
+}
+
+/// Why a sample ended a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cause<V, E> {
+    /// The primary estimate, f/p, is NaN or infinite.
+    NonFinite(V),
+    /// The integrand returned an error.
+    Integrand(E),
+}
+
+impl<V: fmt::Debug, E: fmt::Display> fmt::Display for SampleError<V, E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.cause {
+            Cause::NonFinite(value) => write!(f, "the primary estimate is {value:?}")?,
+            Cause::Integrand(error) => write!(f, "the integrand failed: {error}")?,
+        }
+        if let Some(point) = &self.location.point {
+            write!(f, " at x = {point}")?;
+        }
+        if let Some(density) = self.location.density {
+            write!(f, ", where the density is {density}")?;
+        }
+        write!(f, " (sample {}, unit point {:?})", self.sample, self.unit)
+    }
+}
+
+impl<V: fmt::Debug, E: core::error::Error + 'static> core::error::Error for SampleError<V, E> {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match &self.cause {
+            Cause::Integrand(error) => Some(error),
+            Cause::NonFinite(_) => None,
+        }
+    }
+}
+
+/// What is known of a failure while sampling, when there is no time for more.
+#[derive(Clone, Debug)]
+pub(super) struct Failure<V, E> {
+    pub(super) cause: Cause<V, E>,
+    pub(super) block: Block,
+    /// How many samples of the block came before.
+    pub(super) offset: u64,
+}
+
+impl<V, E> Failure<V, E> {
+    /// Replays the block up to the sample that failed.
+    pub(super) fn explain<S, T>(self, sampler: &S, estimator: &T) -> SampleError<V, E>
+    where
+        S: Sampler,
+        T: TryEstimator<Value = V, Error = E>,
+    {
+        let mut points = Recorder {
+            points: sampler.stream(self.block),
+            read: Vec::new(),
+        };
+        for _ in 0..self.offset {
+            points.next_point();
+            estimator.locate(&mut points);
+        }
+        points.next_point();
+        let location = estimator.locate(&mut points);
+        SampleError {
+            cause: self.cause,
+            sample: self.block.start + self.offset,
+            unit: points.read,
+            location,
+        }
+    }
+}
+
+/// Keeps the coordinates that are read of the current point.
+struct Recorder<C> {
+    points: C,
+    read: Vec<f64>,
+}
+
+impl<C: Coordinates> Coordinates for Recorder<C> {
+    fn next_point(&mut self) {
+        self.read.clear();
+        self.points.next_point();
+    }
+
+    fn next_1d(&mut self) -> f64 {
+        let u = self.points.next_1d();
+        self.read.push(u);
+        u
+    }
+
+    fn next_2d(&mut self) -> [f64; 2] {
+        let u = self.points.next_2d();
+        self.read.extend(u);
+        u
+    }
+}

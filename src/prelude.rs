@@ -1,0 +1,13 @@
+//! What most programs use, in one import.
+
+pub use crate::estimate::{Estimate, Moments, Tolerance};
+pub use crate::estimator::{Estimator, FromFn, Importance, TryImportance, primary_estimates};
+pub use crate::integrand::{Integrand, with_scratch};
+pub use crate::integrate::{integrate, try_integrate};
+pub use crate::integrator::{Integrator, MonteCarlo, NonFinite, StratifiedMonteCarlo};
+pub use crate::pdf::{Exponential, Interval, Invert, Pdf, Sample};
+#[cfg(feature = "parallel")]
+pub use crate::run::Threads;
+pub use crate::run::{Cancel, Executor, Finished, Reason, Serial, Stop, run, run_with};
+pub use crate::sampler::{Coordinates, Independent, Replay, Sampler, Stratified};
+pub use crate::value::Value;

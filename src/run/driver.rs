@@ -1,0 +1,205 @@
+//! The loop.
+
+use core::fmt;
+use core::time::Duration;
+use std::time::Instant;
+
+use super::{Executor, Stop, StopError};
+use crate::integrator::Integrator;
+
+/// A run that came to its end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finished<A> {
+    /// The answer.
+    pub answer: A,
+    /// What ended the run.
+    pub reason: Reason,
+    /// How long this run took.
+    pub elapsed: Duration,
+}
+
+impl<A: fmt::Display> fmt::Display for Finished<A> {
+    /// The answer alone.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.answer.fmt(f)
+    }
+}
+
+/// What ended a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Reason {
+    /// The budget is spent, or what is left of it is too little for a pass.
+    Samples,
+    /// The answer is as good as was asked.
+    Tolerance,
+    /// Time was up.
+    Time,
+    /// The switch was turned.
+    Cancelled,
+}
+
+/// A run as seen after one of its passes.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<'a, I> {
+    /// The integrator, to ask for its answer so far.
+    pub integrator: &'a I,
+    /// How long this run has taken.
+    pub elapsed: Duration,
+}
+
+/// A run that could not come to its end.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum RunError<A, E> {
+    /// It was not told properly when to end.
+    Stop(StopError),
+    /// The budget does not pay for the smallest first pass.
+    Budget {
+        /// What there was.
+        budget: u64,
+        /// What it takes.
+        needed: u64,
+    },
+    /// A sample failed.
+    Sample {
+        /// Why and where.
+        error: E,
+        /// The answer from the samples before it.
+        partial: Option<A>,
+    },
+    /// It was ended before there was an answer. The integrator keeps what it
+    /// has, and goes on from there if it is run again.
+    NoAnswer {
+        /// What ended it.
+        reason: Reason,
+        /// How many samples it had taken.
+        spent: u64,
+    },
+}
+
+impl<A, E: fmt::Display> fmt::Display for RunError<A, E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Stop(error) => error.fmt(f),
+            Self::Budget { budget, needed } => write!(
+                f,
+                "a budget of {budget} samples, where the first pass takes {needed}"
+            ),
+            Self::Sample { error, .. } => error.fmt(f),
+            Self::NoAnswer { reason, spent } => write!(
+                f,
+                "ended ({reason:?}) after {spent} samples, before there was an answer"
+            ),
+        }
+    }
+}
+
+impl<A: fmt::Debug, E: core::error::Error + 'static> core::error::Error for RunError<A, E> {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Sample { error, .. } => Some(error),
+            Self::Stop(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+/// How a run of the integrator `I` ends.
+type Outcome<I> = Result<
+    Finished<<I as Integrator>::Answer>,
+    RunError<<I as Integrator>::Answer, <I as Integrator>::Error>,
+>;
+
+/// Runs `integrator` on `executor` until `stop` says so.
+///
+/// The integrator keeps what it has found: run it again, with a larger budget
+/// or a smaller tolerance, and it goes on from there.
+///
+/// # Errors
+///
+/// See [`RunError`]. A sample that fails ends the run, and the answer from
+/// those before it comes with the error.
+///
+/// # Panics
+///
+/// If the integrand does: the panic is passed on, and the integrator is as it
+/// was after its last whole pass.
+pub fn run<I: Integrator>(
+    integrator: &mut I,
+    executor: &impl Executor<I>,
+    stop: &Stop,
+) -> Outcome<I> {
+    run_with(integrator, executor, stop, |_| ())
+}
+
+/// [`run`], calling `progress` after each pass.
+///
+/// # Errors
+///
+/// As [`run`].
+///
+/// # Panics
+///
+/// As [`run`].
+pub fn run_with<I: Integrator>(
+    integrator: &mut I,
+    executor: &impl Executor<I>,
+    stop: &Stop,
+    mut progress: impl FnMut(Progress<'_, I>),
+) -> Outcome<I> {
+    stop.check(integrator.components())
+        .map_err(RunError::Stop)?;
+    let start = Instant::now();
+    let cancelled = || stop.cancel.as_ref().is_some_and(|c| c.is_cancelled());
+    let out_of_time = || stop.time.is_some_and(|limit| start.elapsed() >= limit);
+    let reason = loop {
+        if stop.tolerance.is_some_and(|t| integrator.meets(&t)) {
+            break Reason::Tolerance;
+        }
+        if cancelled() {
+            break Reason::Cancelled;
+        }
+        if out_of_time() {
+            break Reason::Time;
+        }
+        let left = stop
+            .samples
+            .map_or(u64::MAX, |budget| budget.saturating_sub(integrator.spent()));
+        let blocks = if left == 0 { 0 } else { integrator.plan(left) };
+        if blocks == 0 {
+            if integrator.spent() == 0 {
+                return Err(RunError::Budget {
+                    budget: left,
+                    needed: integrator.smallest_pass(),
+                });
+            }
+            break Reason::Samples;
+        }
+        let go_on = || !cancelled() && !out_of_time();
+        let pass = executor.pass(integrator, blocks, &go_on);
+        if let Some(merged) = pass.merged {
+            integrator
+                .absorb(merged, pass.blocks)
+                .map_err(|error| RunError::Sample {
+                    error,
+                    partial: integrator.answer(),
+                })?;
+            progress(Progress {
+                integrator,
+                elapsed: start.elapsed(),
+            });
+        }
+    };
+    match integrator.answer() {
+        Some(answer) => Ok(Finished {
+            answer,
+            reason,
+            elapsed: start.elapsed(),
+        }),
+        None => Err(RunError::NoAnswer {
+            reason,
+            spent: integrator.spent(),
+        }),
+    }
+}
