@@ -9,7 +9,7 @@ mod support;
 use std::f64::consts::{FRAC_1_PI, TAU};
 use std::fmt::Debug;
 
-use estimand::pdf::{Exponential, Interval, Invert, Pdf, Sample};
+use estimand::pdf::{Exponential, Interval, Invert, Pdf, Sample, UnitCube};
 use estimand::sampler::UnitPoint;
 use support::chart::{Polar, Space, Sphere};
 use support::pdf_laws::{
@@ -54,6 +54,22 @@ fn exponential() {
         "e^(−3(x − 2))",
         from(2.0, 3.0),
         &cells_and_tail(2.0, 5.0, 40),
+    )
+    .hold()
+    .invert();
+}
+
+#[test]
+fn unit_cube() {
+    let unit = || cells(0.0, 1.0, 10);
+    over("[0, 1)²", UnitCube::<2>, Space, [unit(), unit()])
+        .hold()
+        .invert();
+    over(
+        "[0, 1)³",
+        UnitCube::<3>,
+        Space,
+        [cells(0.0, 1.0, 3), cells(0.0, 1.0, 3), cells(0.0, 1.0, 3)],
     )
     .hold()
     .invert();
