@@ -45,7 +45,7 @@ fn by_hand<const D: usize>(f: impl Fn([f64; D]) -> f64) -> f64 {
 #[inline(always)]
 fn plain<const D: usize>(f: impl Fn([f64; D]) -> f64) -> f64 {
     let estimator = Importance::new(f, UnitCube::<D>);
-    let sampler: Independent = Independent::new(7);
+    let sampler = Independent::new(7);
     let mut integrator = MonteCarlo::new(estimator, sampler);
     let answer = run(&mut integrator, &Serial, &Stop::samples(SAMPLES));
     answer.map_or(f64::NAN, |r| {
@@ -84,7 +84,7 @@ fn main() {
             ours: || {
                 let interval = Interval::new(1.0, 4.0).unwrap_or(Interval::unit());
                 let estimator = Importance::new(|x| x + 2.0, interval);
-                let sampler: Independent = Independent::new(7);
+                let sampler = Independent::new(7);
                 let mut integrator = MonteCarlo::new(estimator, sampler);
                 run(&mut integrator, &Serial, &Stop::samples(SAMPLES))
                     .map_or(f64::NAN, |r| r.answer.mean)
@@ -107,7 +107,7 @@ fn main() {
             name: "stratified_1",
             bound: 1.25,
             ours: || Stratified::new([SAMPLES], 1, 7).map_or(f64::NAN, |grid| points::<1>(&grid)),
-            theirs: || points::<1>(&Independent::<Pcg64Mcg>::new(7)),
+            theirs: || points::<1>(&Independent::new(7)),
         },
         Row {
             name: "stratified_5",
@@ -115,7 +115,7 @@ fn main() {
             ours: || {
                 Stratified::<5>::filling(SAMPLES, 1, 7).map_or(f64::NAN, |grid| points::<5>(&grid))
             },
-            theirs: || points::<5>(&Independent::<Pcg64Mcg>::new(7)),
+            theirs: || points::<5>(&Independent::new(7)),
         },
     ];
     let words: Vec<String> = std::env::args().skip(1).collect();

@@ -44,8 +44,8 @@ where
     F: Fn(P::Point) -> V + Sync,
 {
     let estimator = Importance::new(f, domain);
-    let sampler: Independent = Independent::new(0);
-    run(&mut MonteCarlo::new(estimator, sampler), &EXECUTOR, stop)
+    let mut integrator = MonteCarlo::new(estimator, Independent::new(0));
+    run(&mut integrator, &EXECUTOR, stop)
 }
 
 /// [`integrate`] for an integrand that may fail: its first error ends the run,
@@ -83,8 +83,8 @@ where
     F: Fn(P::Point) -> Result<V, E> + Sync,
 {
     let estimator = TryImportance::new(f, domain);
-    let sampler: Independent = Independent::new(0);
-    run(&mut MonteCarlo::new(estimator, sampler), &EXECUTOR, stop)
+    let mut integrator = MonteCarlo::new(estimator, Independent::new(0));
+    run(&mut integrator, &EXECUTOR, stop)
 }
 
 #[cfg(feature = "parallel")]

@@ -69,47 +69,39 @@ impl<V: Value> Moments<V> {
     /// Adds a slice of values: faster than one by one, the division and the
     /// move to the new mean happen once a slice.
     #[inline]
-    pub fn push_all(&mut self, values: &[V]) {
-        let Some(first) = values.first() else { return };
+    pub fn push_all(&mut self, mut values: &[V]) {
+        while let Some(index) = self.push_while_finite(values) {
+            self.non_finite += 1;
+            values = &values[index + 1..];
+        }
+    }
+
+    /// Adds the values before the first that is not finite, and says which
+    /// that is.
+    #[inline]
+    pub(crate) fn push_while_finite(&mut self, values: &[V]) -> Option<usize> {
+        let first = values.first()?;
         let origin = if self.count == 0 {
             first.components()
         } else {
             self.mean
         };
-        let sums = if V::Components::COUNT == 1 {
-            Sums::of_scalars(values, origin)
-        } else {
-            let mut sums = Sums::ZERO;
-            for value in values {
-                sums.add(value.components(), origin);
-            }
-            sums
-        };
+        let sums = Sums::of(values, origin);
         if sums.are_finite() {
             self.absorb(values.len() as u64, origin, &sums);
-        } else {
-            self.push_each(values);
+            return None;
         }
+        self.push_until_non_finite(values, origin)
     }
 
-    /// The slow way, for a slice in which something is not finite.
     #[cold]
-    fn push_each(&mut self, values: &[V]) {
-        for value in values {
-            let components = value.components();
-            let origin = if self.count == 0 {
-                components
-            } else {
-                self.mean
-            };
-            let mut sums = Sums::<V>::ZERO;
-            sums.add(components, origin);
-            if sums.are_finite() {
-                self.absorb(1, origin, &sums);
-            } else {
-                self.non_finite += 1;
-            }
-        }
+    fn push_until_non_finite(&mut self, values: &[V], origin: V::Components) -> Option<usize> {
+        let index = values
+            .iter()
+            .position(|v| !Sums::of(&[*v], origin).are_finite())
+            .unwrap_or(values.len() - 1);
+        self.push_while_finite(&values[..index]);
+        Some(index)
     }
 
     /// Adds the sums of `added` values about `origin`, which is the mean so
@@ -271,6 +263,18 @@ impl<V: Value> Sums<V> {
         fourth: V::Components::ZERO,
         largest: V::Components::ZERO,
     };
+
+    #[inline]
+    fn of(values: &[V], origin: V::Components) -> Self {
+        if V::Components::COUNT == 1 {
+            return Self::of_scalars(values, origin);
+        }
+        let mut sums = Self::ZERO;
+        for value in values {
+            sums.add(value.components(), origin);
+        }
+        sums
+    }
 
     #[inline]
     fn add(&mut self, x: V::Components, origin: V::Components) {

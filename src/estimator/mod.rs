@@ -34,6 +34,19 @@ pub trait Estimator {
     }
 }
 
+impl<E: Estimator> Estimator for &E {
+    type Value = E::Value;
+
+    #[inline]
+    fn estimate<C: Coordinates>(&self, u: &mut C) -> E::Value {
+        (**self).estimate(u)
+    }
+
+    fn locate<C: Coordinates>(&self, u: &mut C) -> Location {
+        Estimator::locate(*self, u)
+    }
+}
+
 /// Where a primary estimate was taken.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Location {

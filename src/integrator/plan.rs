@@ -64,7 +64,7 @@ mod tests {
                 let block = plan.block(i);
                 assert_eq!((block.index, block.start), (7 + i, start));
                 assert!(block.len > 0);
-                assert!(block.len % unit == 0 || i + 1 == plan.blocks());
+                assert!(block.len.is_multiple_of(unit) || i + 1 == plan.blocks());
                 start += block.len;
                 assert_eq!(plan.after(i + 1), (8 + i, start));
             }

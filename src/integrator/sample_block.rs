@@ -60,11 +60,13 @@ pub(super) fn sample_block<S: Sampler, E: TryEstimator>(
             taken += 1;
         }
         let slice = &slice[..taken];
-        let before = moments.non_finite();
-        moments.push_all(slice);
-        if moments.non_finite() > before && non_finite == NonFinite::Refuse {
-            let bad = slice.iter().position(|v| !is_finite(*v)).unwrap_or(0);
-            return Err(fail(done + bad as u64, Cause::NonFinite(slice[bad])));
+        match non_finite {
+            NonFinite::SetAside => moments.push_all(slice),
+            NonFinite::Refuse => {
+                if let Some(bad) = moments.push_while_finite(slice) {
+                    return Err(fail(done + bad as u64, Cause::NonFinite(slice[bad])));
+                }
+            }
         }
         see(slice);
         done += taken as u64;

@@ -24,7 +24,7 @@ use super::{Block, Coordinates, Iid, Randomize, Sampler};
 /// ```
 /// use estimand::sampler::{Block, Coordinates, Independent, Sampler};
 ///
-/// let sampler: Independent = Independent::new(7);
+/// let sampler = Independent::new(7);
 /// let mut points = sampler.stream(Block { index: 0, start: 0, len: 2 });
 /// points.next_point();
 /// let [x, y] = points.next_2d();
@@ -48,10 +48,24 @@ impl<R> Clone for Independent<R> {
 
 impl<R> Copy for Independent<R> {}
 
-impl<R: Rng + SeedableRng> Independent<R> {
+impl Independent {
     /// The points that belong to `seed`. Any seed is as good as any other.
     #[must_use]
     pub const fn new(seed: u64) -> Self {
+        Self::with_generator(seed)
+    }
+}
+
+impl<R> Independent<R> {
+    /// The points that the generators of type `R` give for `seed`.
+    ///
+    /// ```
+    /// use estimand::sampler::Independent;
+    ///
+    /// let sampler = Independent::<rand_pcg::Pcg64>::with_generator(7);
+    /// ```
+    #[must_use]
+    pub const fn with_generator(seed: u64) -> Self {
         Self {
             seed,
             generator: PhantomData,
@@ -100,7 +114,7 @@ impl<R: Rng + SeedableRng> Iid for Independent<R> {}
 
 impl<R: Rng + SeedableRng> Randomize for Independent<R> {
     fn randomize(&self, replicate: u64) -> Self {
-        Self::new(mix(self.seed.wrapping_add(mix(replicate.wrapping_add(1)))))
+        Self::with_generator(mix(self.seed.wrapping_add(mix(replicate.wrapping_add(1)))))
     }
 }
 
