@@ -8,6 +8,7 @@ pub mod integrator;
 pub mod merge;
 pub mod pdf;
 pub mod prelude;
+pub mod quadrature;
 pub mod run;
 pub mod sampler;
 pub mod value;

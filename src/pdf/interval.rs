@@ -137,7 +137,7 @@ impl TryFrom<Range<f64>> for Interval {
 
 /// u, or half the smallest positive coordinate where u is 0.
 #[inline]
-fn off_zero(u: f64) -> f64 {
+pub(super) fn off_zero(u: f64) -> f64 {
     const HALF_ULP: f64 = 1.0 / (1_u64 << 54) as f64;
     u.max(HALF_ULP)
 }

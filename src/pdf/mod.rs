@@ -4,13 +4,39 @@
 //! doc of each names the measure of its density: length, area, volume, solid
 //! angle, projected solid angle, or counting.
 
+mod cauchy;
+mod cone;
+mod cosine_hemisphere;
+mod disk;
 mod exponential;
 mod interval;
+mod linear;
+mod normal;
+mod power;
 mod product;
+mod sphere;
+mod spherical;
+mod standard_normal;
+mod tent;
+mod triangle;
+mod truncated_normal;
+mod uniform_hemisphere;
 mod unit_cube;
 
+pub use cauchy::{Cauchy, CauchyError};
+pub use cone::{UniformCone, UniformConeError};
+pub use cosine_hemisphere::CosineHemisphere;
+pub use disk::{ConcentricDisk, ConcentricDiskError};
 pub use exponential::{Exponential, ExponentialError};
 pub use interval::{Interval, IntervalError};
+pub use linear::{Linear, LinearError};
+pub use normal::{Normal, NormalError};
+pub use power::{Power, PowerError};
+pub use sphere::UniformSphere;
+pub use tent::{Tent, TentError};
+pub use triangle::{UniformTriangle, UniformTriangleError};
+pub use truncated_normal::{TruncatedNormal, TruncatedNormalError};
+pub use uniform_hemisphere::UniformHemisphere;
 pub use unit_cube::UnitCube;
 
 use core::fmt::Debug;
