@@ -9,9 +9,13 @@ mod support;
 use std::f64::consts::{FRAC_1_PI, TAU};
 use std::fmt::Debug;
 
-use estimand::pdf::{Exponential, Interval, Invert, Pdf, Sample, UnitCube};
+use estimand::pdf::{
+    Cauchy, ConcentricDisk, CosineHemisphere, Exponential, Interval, Invert, Linear, Normal, Pdf,
+    Power, Sample, Tent, TruncatedNormal, UniformCone, UniformHemisphere, UniformSphere,
+    UniformTriangle, UnitCube,
+};
 use estimand::sampler::UnitPoint;
-use support::chart::{Polar, Space, Sphere};
+use support::chart::{Polar, Space, Sphere, Triangle};
 use support::pdf_laws::{
     Fault, cells, cells_and_tail, cells_and_tails, check_discrete, line, over,
 };
@@ -73,6 +77,174 @@ fn unit_cube() {
     )
     .hold()
     .invert();
+}
+
+#[test]
+fn linear() {
+    let of = |a, b, wa, wb| Linear::new(a, b, wa, wb).unwrap();
+    line("1 to 3", of(-1.0, 3.0, 1.0, 3.0), &cells(-1.0, 3.0, 32))
+        .hold()
+        .invert();
+    line("0 to 1", of(0.0, 2.0, 0.0, 1.0), &cells(0.0, 2.0, 32))
+        .hold()
+        .invert();
+    line("1 to 0", of(5.0, 7.0, 1.0, 0.0), &cells(5.0, 7.0, 32))
+        .hold()
+        .invert();
+    line("level", of(0.0, 1.0, 2.0, 2.0), &cells(0.0, 1.0, 32))
+        .hold()
+        .invert();
+}
+
+#[test]
+fn power() {
+    let of = |a, b, k| Power::new(a, b, k).unwrap();
+    line("x^−0.5", of(0.0, 1.0, -0.5), &cells(0.0, 1.0, 32))
+        .hold()
+        .invert();
+    line("x^−0.9", of(0.0, 2.0, -0.9), &cells(0.0, 2.0, 32))
+        .hold()
+        .invert();
+    line("x^0", of(0.0, 1.0, 0.0), &cells(0.0, 1.0, 32))
+        .hold()
+        .invert();
+    line("(x + 1)^2.5", of(-1.0, 3.0, 2.5), &cells(-1.0, 3.0, 32))
+        .hold()
+        .invert();
+}
+
+#[test]
+fn tent() {
+    line("tent", Tent::new(1.0, 0.5).unwrap(), &cells(0.5, 1.5, 32))
+        .hold()
+        .invert();
+}
+
+#[test]
+fn normal() {
+    let of = |mean, deviation| Normal::new(mean, deviation).unwrap();
+    line(
+        "N(0, 1)",
+        Normal::standard(),
+        &cells_and_tails(-4.0, 4.0, 40),
+    )
+    .hold()
+    .invert();
+    line("N(3, 0.5)", of(3.0, 0.5), &cells_and_tails(1.0, 5.0, 40))
+        .hold()
+        .invert();
+}
+
+#[test]
+fn truncated_normal() {
+    let of = |a, b| TruncatedNormal::new(Normal::standard(), a, b).unwrap();
+    line("N in [−1, 2]", of(-1.0, 2.0), &cells(-1.0, 2.0, 32))
+        .hold()
+        .invert();
+    line("N in [3, ∞)", of(3.0, INF), &cells_and_tail(3.0, 5.0, 32))
+        .hold()
+        .invert();
+    line("N in [8, 9]", of(8.0, 9.0), &cells(8.0, 9.0, 32))
+        .hold()
+        .invert();
+    line("N in [−9, −8]", of(-9.0, -8.0), &cells(-9.0, -8.0, 32))
+        .hold()
+        .invert();
+}
+
+#[test]
+fn cauchy() {
+    let of = |location, scale| Cauchy::new(location, scale).unwrap();
+    line(
+        "Cauchy(0, 1)",
+        of(0.0, 1.0),
+        &cells_and_tails(-10.0, 10.0, 40),
+    )
+    .hold()
+    .invert();
+    line(
+        "Cauchy(2, 0.5)",
+        of(2.0, 0.5),
+        &cells_and_tails(-3.0, 7.0, 40),
+    )
+    .hold()
+    .invert();
+}
+
+/// `n` cells in cos θ above `z`, each cut into 12 of φ.
+fn sphere_above(z: f64, n: u32) -> [Vec<f64>; 2] {
+    [cells(z, 1.0, n), cells(0.0, TAU, 12)]
+}
+
+#[test]
+fn directions() {
+    over("sphere", UniformSphere, Sphere, sphere_above(-1.0, 8))
+        .hold()
+        .invert();
+    over(
+        "hemisphere",
+        UniformHemisphere,
+        Sphere,
+        sphere_above(0.0, 8),
+    )
+    .hold()
+    .invert();
+    over(
+        "cosine hemisphere",
+        CosineHemisphere,
+        Sphere,
+        sphere_above(0.0, 8),
+    )
+    .hold()
+    .invert();
+}
+
+#[test]
+fn uniform_cone() {
+    for z in [-1.0, -0.5, 0.5, 0.999] {
+        over(
+            "cone",
+            UniformCone::new(z).unwrap(),
+            Sphere,
+            sphere_above(z, 8),
+        )
+        .hold()
+        .invert();
+    }
+}
+
+#[test]
+fn concentric_disk() {
+    let of = |radius| ConcentricDisk::new(radius).unwrap();
+    for r in [1.0, 3.0] {
+        over(
+            "disk",
+            of(r),
+            Polar,
+            [cells(0.0, r, 8), cells(0.0, TAU, 12)],
+        )
+        .hold()
+        .invert();
+    }
+}
+
+#[test]
+fn uniform_triangle() {
+    let unit = || [cells(0.0, 1.0, 8), cells(0.0, 1.0, 8)];
+    let flat = [[0.0, 0.0], [2.0, 0.5], [-1.0, 1.0]];
+    let in_space = [[1.0, 2.0, 3.0], [2.0, 2.5, 1.0], [0.0, 4.0, 3.5]];
+    over(
+        "flat",
+        UniformTriangle::new(flat).unwrap(),
+        Triangle(flat),
+        unit(),
+    )
+    .hold()
+    .invert();
+    let tilted = UniformTriangle::new(in_space).unwrap();
+    over("in space", tilted, Triangle(in_space), unit())
+        .hold()
+        .invert();
 }
 
 // What the suite can tell: pairs of functions that are right, and the same off

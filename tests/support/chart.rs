@@ -103,6 +103,53 @@ impl Chart<2> for Sphere {
     }
 }
 
+/// A triangle A, B, C by (s, t): x = A + s ((B − A) + t (C − B)), so that lines
+/// of equal s are parallel to BC; dA = s |(B − A) × (C − A)| ds dt.
+pub struct Triangle<const N: usize>(pub [[f64; N]; 3]);
+
+impl<const N: usize> Triangle<N> {
+    /// B − A, C − A, and their scalar products ⟨e, e⟩, ⟨e, f⟩, ⟨f, f⟩.
+    fn sides(&self) -> ([[f64; N]; 2], [f64; 3]) {
+        let [a, b, c] = &self.0;
+        let [e, f] = [b, c].map(|p| std::array::from_fn(|i| p[i] - a[i]));
+        ([e, f], [dot(&e, &e), dot(&e, &f), dot(&f, &f)])
+    }
+}
+
+impl<const N: usize> Chart<2> for Triangle<N> {
+    type Point = [f64; N];
+    fn point(&self, [s, t]: [f64; 2]) -> [f64; N] {
+        let ([e, f], _) = self.sides();
+        std::array::from_fn(|i| self.0[0][i] + s * ((1.0 - t) * e[i] + t * f[i]))
+    }
+    fn locate(&self, x: &[f64; N]) -> [f64; 2] {
+        let ([e, f], [ee, ef, ff]) = self.sides();
+        let d = std::array::from_fn(|i| x[i] - self.0[0][i]);
+        let (de, df, det) = (dot(&d, &e), dot(&d, &f), ee * ff - ef * ef);
+        let (beta, gamma) = ((de * ff - df * ef) / det, (df * ee - de * ef) / det);
+        let s = beta + gamma;
+        // At A itself t is anything; beside it, it is off by a rounding over s.
+        let (t, rounding) = (gamma / s, 1e-14 / s.abs());
+        let t = if (-rounding..=1.0 + rounding).contains(&t) {
+            t.clamp(0.0, 1.0)
+        } else {
+            t
+        };
+        [s, if s.abs() < 1e-14 { 0.0 } else { t }]
+    }
+    fn measure(&self, [s, _]: [f64; 2]) -> f64 {
+        let (_, [ee, ef, ff]) = self.sides();
+        s * (ee * ff - ef * ef).sqrt()
+    }
+    fn exists(&self, [s, _]: [f64; 2]) -> bool {
+        s > 0.0
+    }
+}
+
+fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
 /// φ in [0, 2π].
 fn angle(x: f64, y: f64) -> f64 {
     y.atan2(x).rem_euclid(TAU)
