@@ -248,13 +248,16 @@ fn independent_over_the_default_generator() {
 
 #[test]
 fn independent_over_pcg64() {
-    iid("Independent<Pcg64>", Independent::<Pcg64>::new);
+    iid("Independent<Pcg64>", Independent::<Pcg64>::with_generator);
 }
 
 /// A generator of 32-bit words with a state and increment of its own.
 #[test]
 fn independent_over_pcg32() {
-    iid("Independent<Pcg32>", Independent::<Lcg64Xsh32>::new);
+    iid(
+        "Independent<Pcg32>",
+        Independent::<Lcg64Xsh32>::with_generator,
+    );
 }
 
 #[test]
@@ -475,7 +478,7 @@ impl SeedableRng for Biased {
 #[test]
 fn a_biased_generator_is_rejected() {
     for seed in SEEDS {
-        let sampler = Independent::<Biased>::new(seed);
+        let sampler = Independent::<Biased>::with_generator(seed);
         let (p, what) = uniformity(&sampler)[0];
         assert_rejected(p, what);
     }
