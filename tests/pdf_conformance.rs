@@ -10,14 +10,15 @@ use std::f64::consts::{FRAC_1_PI, TAU};
 use std::fmt::Debug;
 
 use estimand::pdf::{
-    Cauchy, ConcentricDisk, CosineHemisphere, Exponential, Interval, Invert, Linear, Normal, Pdf,
-    Power, Sample, Tent, TruncatedNormal, UniformCone, UniformHemisphere, UniformSphere,
-    UniformTriangle, UnitCube,
+    Cauchy, ConcentricDisk, CosineHemisphere, Cuboid, Discrete, DiscreteCdf, Exponential, Interval,
+    Invert, Linear, Mixture, Normal, Pdf, PiecewiseConstant1D, PiecewiseConstant2D,
+    PiecewiseLinear1D, Power, Sample, Tent, TruncatedNormal, UniformCone, UniformHemisphere,
+    UniformSphere, UniformTriangle, UnitCube,
 };
 use estimand::sampler::UnitPoint;
-use support::chart::{Polar, Space, Sphere, Triangle};
+use support::chart::{Pair, Polar, Space, Sphere, Triangle};
 use support::pdf_laws::{
-    Fault, cells, cells_and_tail, cells_and_tails, check_discrete, line, over,
+    Fault, cells, cells_and_tail, cells_and_tails, check_discrete, discrete, line, over,
 };
 
 const INF: f64 = f64::INFINITY;
@@ -245,6 +246,126 @@ fn uniform_triangle() {
     over("in space", tilted, Triangle(in_space), unit())
         .hold()
         .invert();
+}
+
+/// Weights with a zero first, inside and last.
+const WEIGHTS: [f64; 8] = [0.0, 3.0, 1.0, 0.0, 0.5, 2.0, 1.5, 0.0];
+
+/// [`WEIGHTS`] over their sum.
+fn probabilities() -> [f64; 8] {
+    WEIGHTS.map(|w| w / 8.0)
+}
+
+#[test]
+fn tables_of_indices() {
+    discrete(
+        "Discrete",
+        &Discrete::new(&WEIGHTS).unwrap(),
+        &probabilities(),
+    );
+    discrete(
+        "DiscreteCdf",
+        &DiscreteCdf::new(&WEIGHTS).unwrap(),
+        &probabilities(),
+    );
+    let many: Vec<f64> = (0..1000).map(f64::from).collect();
+    let sum: f64 = many.iter().sum();
+    let probabilities: Vec<f64> = many.iter().map(|w| w / sum).collect();
+    discrete(
+        "1000 of Discrete",
+        &Discrete::new(&many).unwrap(),
+        &probabilities,
+    );
+    discrete(
+        "1000 of DiscreteCdf",
+        &DiscreteCdf::new(&many).unwrap(),
+        &probabilities,
+    );
+}
+
+#[test]
+fn piecewise_constant() {
+    let equal = PiecewiseConstant1D::new(-1.0..3.0, &WEIGHTS).unwrap();
+    line("histogram", equal, &cells(-1.0, 3.0, 32))
+        .hold()
+        .invert();
+    let edges = [0.0, 0.1, 0.5, 2.0, 4.0];
+    let unequal = PiecewiseConstant1D::with_edges(&edges, &WEIGHTS[..4]).unwrap();
+    line("unequal bins", unequal, &edges).hold().invert();
+    let grid = PiecewiseConstant2D::new([0.0..4.0, -1.0..1.0], 4, &WEIGHTS).unwrap();
+    over(
+        "grid",
+        grid,
+        Space,
+        [cells(0.0, 4.0, 8), cells(-1.0, 1.0, 8)],
+    )
+    .hold()
+    .invert();
+}
+
+#[test]
+fn piecewise_linear() {
+    let equal = PiecewiseLinear1D::new(0.0..7.0, &WEIGHTS).unwrap();
+    line("polygon", equal, &cells(0.0, 7.0, 28)).hold().invert();
+    let knots = [-1.0, 0.0, 0.25, 3.0];
+    let unequal = PiecewiseLinear1D::with_knots(&knots, &[2.0, 1.0, 4.0, 0.0]).unwrap();
+    line(
+        "unequal knots",
+        unequal,
+        &[-1.0, -0.5, 0.0, 0.25, 1.0, 1.5, 2.0, 3.0],
+    )
+    .hold()
+    .invert();
+}
+
+#[test]
+fn cuboid() {
+    let box2 = Cuboid::new([-1.0..3.0, 10.0..10.5]).unwrap();
+    over(
+        "box",
+        box2,
+        Space,
+        [cells(-1.0, 3.0, 8), cells(10.0, 10.5, 8)],
+    )
+    .hold()
+    .invert();
+    let half = Cuboid::new([0.0..INF, -1.0..1.0]).unwrap();
+    over(
+        "strip",
+        half,
+        Space,
+        [cells_and_tail(0.0, 8.0, 16), cells(-1.0, 1.0, 8)],
+    )
+    .hold()
+    .invert();
+}
+
+#[test]
+fn products() {
+    let near = Exponential::new(0.0, 2.0).unwrap();
+    let square = || [cells_and_tail(0.0, 2.0, 10), cells_and_tail(0.0, 2.0, 10)];
+    over("[P; 2]", [near, near], Space, square())
+        .hold()
+        .invert();
+    let even = Interval::new(0.0, 4.0).unwrap();
+    let edges = [cells_and_tail(0.0, 2.0, 10), cells(0.0, 4.0, 10)];
+    over("(A, B)", (near, even), Pair, edges).hold().invert();
+}
+
+#[test]
+fn mixtures() {
+    let near = Exponential::new(0.0, 2.0).unwrap();
+    let even = Interval::new(0.0, 4.0).unwrap();
+    let pair = Mixture::new((near, even), [3.0, 1.0]).unwrap();
+    line("pair", pair, &cells_and_tail(0.0, 4.0, 32)).hold();
+    let tents = [0.0, 1.0, 5.0].map(|x| Tent::new(x, 1.0).unwrap());
+    let array = Mixture::new(tents, [1.0, 0.0, 2.0]).unwrap();
+    line(
+        "array",
+        array,
+        &[-1.0, -0.5, 0.0, 0.5, 1.0, 4.0, 4.5, 5.0, 5.5, 6.0],
+    )
+    .hold();
 }
 
 // What the suite can tell: pairs of functions that are right, and the same off
