@@ -1,5 +1,6 @@
 //! What the statistical tests share: one significance level for all of them,
-//! the tests themselves, and the laws that every pdf must keep.
+//! the tests themselves, and the laws that every pdf and every
+//! sampler must keep.
 //!
 //! A statistical check computes a p-value, the probability that a *correct*
 //! program gives a result at least this far off, and hands it to
@@ -20,6 +21,7 @@ pub mod kolmogorov;
 pub mod mean;
 pub mod pdf_laws;
 pub mod quadrature;
+pub mod sampler_laws;
 pub mod significance;
 
 pub use significance::{assert_plausible, assert_rejected, is_plausible};
