@@ -5,10 +5,19 @@
 //! angle, projected solid angle, or counting.
 
 mod exponential;
+mod gauss;
 mod interval;
+mod inverse_cdf;
+mod numeric_inverse_cdf;
+mod solve;
+mod statrs_adapter;
+mod tails;
 
 pub use exponential::{Exponential, ExponentialError};
 pub use interval::{Interval, IntervalError};
+pub use inverse_cdf::{InverseCdf, InverseCdfError};
+pub use numeric_inverse_cdf::{NumericInverseCdf, NumericInverseCdfError};
+pub use statrs_adapter::{Statrs, StatrsError};
 
 use core::fmt::Debug;
 
