@@ -1,5 +1,7 @@
 //! `Statrs` over every continuous distribution that statrs has.
 
+#![allow(clippy::unwrap_used)]
+
 use std::fmt::Debug;
 
 use estimand::pdf::{Invert, Pdf, Statrs, StatrsError};

@@ -15,18 +15,18 @@ use crate::pdf::{Invert, Pdf, Sample, gauss, solve::solve, tails};
 ///
 /// # Example
 ///
-/// E\[cos x\] = e^(−½) under the standard normal distribution, at the midpoints
-/// of a thousand equal strata:
+/// The Laplace density ½ e^(−|x|), whose own `inverse_cdf` panics at 0:
 ///
 /// ```
 /// use estimand::pdf::{Pdf, Statrs};
-/// use statrs::distribution::Normal;
+/// use statrs::distribution::Laplace;
 ///
-/// let p = Statrs::new(Normal::standard())?;
-/// let strata = (0..1000).map(|i| (f64::from(i) + 0.5) / 1000.0);
-/// let mean = strata.map(|u| p.sample(u).point.cos()).sum::<f64>() / 1000.0;
-/// assert!((mean - (-0.5_f64).exp()).abs() < 1e-5);
-/// assert!(p.sample(0.0).point > -9.0);
+/// let p = Statrs::new(Laplace::new(0.0, 1.0).expect("a positive scale"))?;
+/// let x = p.sample(0.25);
+/// assert!((x.point + core::f64::consts::LN_2).abs() < 1e-12);
+/// assert!((x.density - 0.25).abs() < 1e-12);
+/// // ln(2 · 2⁻⁵⁴)
+/// assert!((p.sample(0.0).point + 53.0 * core::f64::consts::LN_2).abs() < 1e-11);
 /// # Ok::<(), estimand::pdf::StatrsError>(())
 /// ```
 ///
