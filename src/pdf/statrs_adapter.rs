@@ -124,7 +124,8 @@ impl core::error::Error for StatrsError {}
 trait Univariate: Continuous<f64, f64> + ContinuousCDF<f64, f64> {}
 impl<D: Continuous<f64, f64> + ContinuousCDF<f64, f64>> Univariate for D {}
 
-/// How far the CDF of a point may be from its u.
+/// How far the CDF of a point may be from its u; `solve` aims at as many digits
+/// of the tail, and stops at the steps of a CDF that has fewer.
 const ROUND_TRIP: f64 = 1e-12;
 
 /// The side of the median that a quantile lies on; probabilities are counted
@@ -240,15 +241,9 @@ impl<D: Continuous<f64, f64> + ContinuousCDF<f64, f64>> Statrs<D> {
             |x| half.residual(&self.distribution, tail, x),
             [a.point.min(b.point), a.point.max(b.point)],
             start,
-            tolerance(tail),
+            ROUND_TRIP * tail,
         )
     }
-}
-
-/// Twelve digits of the tail, where the CDF has them.
-#[inline]
-fn tolerance(tail: f64) -> f64 {
-    (ROUND_TRIP * tail).max(0.25 * tails::SMALLEST)
 }
 
 /// Two floats inside the support that have all but 2⁻⁵⁴ of the probability on
@@ -310,7 +305,7 @@ fn tabulate(
             |x| half.residual(d, tail, x),
             [outer.min(inner), outer.max(inner)],
             start,
-            tolerance(tail),
+            ROUND_TRIP * tail,
         );
         verify(d, half, tail, point, density)?;
         let slope = sign / density;
