@@ -75,10 +75,14 @@ fn integrals_on_the_line() {
     check("p = 2x/15", Importance::new(line, p), 13.5);
     check_strata::<1, _>("p = 2x/15", Importance::new(line, p), 13.5);
     let root = Power::new(0.0, 1.0, -0.5).unwrap();
-    check("x^(−1/2) cos x", Importance::new(|x: f64| x.cos() / x.sqrt(), root), {
-        // Σ (−1)ᵏ / ((2k)! (2k + 1/2))
-        2.0 - 1.0 / 5.0 + 1.0 / 108.0 - 1.0 / 4_680.0 + 1.0 / 342_720.0 - 1.0 / 37_195_200.0
-    });
+    check(
+        "x^(−1/2) cos x",
+        Importance::new(|x: f64| x.cos() / x.sqrt(), root),
+        {
+            // Σ (−1)ᵏ / ((2k)! (2k + 1/2))
+            2.0 - 1.0 / 5.0 + 1.0 / 108.0 - 1.0 / 4_680.0 + 1.0 / 342_720.0 - 1.0 / 37_195_200.0
+        },
+    );
 }
 
 #[test]
@@ -93,24 +97,49 @@ fn integrals_to_infinity() {
     let bell = |x: f64| (-0.5 * x * x).exp();
     check("√2π", Importance::new(bell, all), (2.0 * PI).sqrt());
     let wide = Normal::new(0.3, 1.5).unwrap();
-    check("√2π, normal", Importance::new(bell, wide), (2.0 * PI).sqrt());
+    check(
+        "√2π, normal",
+        Importance::new(bell, wide),
+        (2.0 * PI).sqrt(),
+    );
 }
 
 #[test]
 fn integrals_in_boxes() {
     let cube = UnitCube::<5>;
-    check("prod_5", Importance::new(product_peak, cube), 14.788_773_456_356_204);
-    check("corner_5", Importance::new(corner_peak, cube), 0.028_446_816_494_501_35);
-    check_strata::<5, _>("prod_5", Importance::new(product_peak, cube), 14.788_773_456_356_204);
+    check(
+        "prod_5",
+        Importance::new(product_peak, cube),
+        14.788_773_456_356_204,
+    );
+    check(
+        "corner_5",
+        Importance::new(corner_peak, cube),
+        0.028_446_816_494_501_35,
+    );
+    check_strata::<5, _>(
+        "prod_5",
+        Importance::new(product_peak, cube),
+        14.788_773_456_356_204,
+    );
     // The grid may cut fewer axes than the integrand has.
-    check_strata::<2, _>("corner_5", Importance::new(corner_peak, cube), 0.028_446_816_494_501_35);
+    check_strata::<2, _>(
+        "corner_5",
+        Importance::new(corner_peak, cube),
+        0.028_446_816_494_501_35,
+    );
     let quarter = Cuboid::new([0.0..f64::INFINITY, -1.0..1.0]).unwrap();
     let f = |[x, y]: [f64; 2]| (-x).exp() * y * y;
     check("∫∫ e^(−x) y²", Importance::new(f, quarter), 2.0 / 3.0);
     let pair = (Interval::new(0.0, 2.0).unwrap(), Normal::standard());
-    check("(x, z²)", Importance::new(|(x, z): (f64, f64)| {
-        x * z * z * (-0.5 * z * z).exp() / (2.0 * PI).sqrt()
-    }, pair), 2.0);
+    check(
+        "(x, z²)",
+        Importance::new(
+            |(x, z): (f64, f64)| x * z * z * (-0.5 * z * z).exp() / (2.0 * PI).sqrt(),
+            pair,
+        ),
+        2.0,
+    );
 }
 
 #[test]
@@ -118,26 +147,57 @@ fn integrals_over_directions_and_surfaces() {
     // Irradiance under L = 1 + cos θ: π + 2π/3.
     let sky = |[_, _, z]: [f64; 3]| (1.0 + z) * z;
     let exact = PI + 2.0 * PI / 3.0;
-    check("uniform hemisphere", Importance::new(sky, UniformHemisphere), exact);
-    check("cosine hemisphere", Importance::new(sky, CosineHemisphere), exact);
-    check_strata::<2, _>("uniform hemisphere", Importance::new(sky, UniformHemisphere), exact);
-    check_strata::<2, _>("cosine hemisphere", Importance::new(sky, CosineHemisphere), exact);
+    check(
+        "uniform hemisphere",
+        Importance::new(sky, UniformHemisphere),
+        exact,
+    );
+    check(
+        "cosine hemisphere",
+        Importance::new(sky, CosineHemisphere),
+        exact,
+    );
+    check_strata::<2, _>(
+        "uniform hemisphere",
+        Importance::new(sky, UniformHemisphere),
+        exact,
+    );
+    check_strata::<2, _>(
+        "cosine hemisphere",
+        Importance::new(sky, CosineHemisphere),
+        exact,
+    );
     let square = |[x, _, _]: [f64; 3]| x * x;
-    check("sphere", Importance::new(square, UniformSphere), 4.0 * PI / 3.0);
+    check(
+        "sphere",
+        Importance::new(square, UniformSphere),
+        4.0 * PI / 3.0,
+    );
     let triangle = UniformTriangle::new([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]).unwrap();
-    check("triangle", Importance::new(|[x, y]: [f64; 2]| x * y, triangle), 1.0 / 24.0);
+    check(
+        "triangle",
+        Importance::new(|[x, y]: [f64; 2]| x * y, triangle),
+        1.0 / 24.0,
+    );
 }
 
 #[test]
 fn sums_and_mixtures() {
     let p = Discrete::new(&[1.0, 2.0, 3.0, 4.0]).unwrap();
     check("Σ k²", Importance::new(|k: usize| (k * k) as f64, p), 14.0);
-    let parts = [Normal::new(-1.0, 0.5).unwrap(), Normal::new(2.0, 1.0).unwrap()];
+    let parts = [
+        Normal::new(-1.0, 0.5).unwrap(),
+        Normal::new(2.0, 1.0).unwrap(),
+    ];
     let p = Mixture::new(parts, [1.0, 2.0]).unwrap();
     let bell = |x: f64| (-0.5 * x * x).exp();
     check("mixture", Importance::new(bell, p), (2.0 * PI).sqrt());
     check("coordinates until the sum passes 1", FromFn(until_one), E);
-    check("roulette", FromFn(|u: &mut dyn Coordinates| roulette(u, 0.7)), 2.0);
+    check(
+        "roulette",
+        FromFn(|u: &mut dyn Coordinates| roulette(u, 0.7)),
+        2.0,
+    );
 }
 
 fn until_one(u: &mut dyn Coordinates) -> f64 {
@@ -185,20 +245,24 @@ fn wrong_twins_are_rejected() {
     for seed in SEEDS {
         let p = Overstated(Linear::new(1.0, 4.0, 1.0, 4.0).unwrap());
         let wrong = Importance::new(line, p);
-        reject("a density 5 % too large", plain(&wrong, seed, SAMPLES), 13.5);
+        reject(
+            "a density 5 % too large",
+            plain(&wrong, seed, SAMPLES),
+            13.5,
+        );
         // The lecture's pseudo-code: cosine-weighted directions, no π.
         let wrong = Importance::new(|[_, _, z]: [f64; 3]| z / PI, CosineHemisphere);
         let e = plain(&wrong, seed, SAMPLES);
-        assert_eq!(e.standard_error, 0.0);
-        assert_rejected(support::mean::p_value(e.mean, 0.0, PI), "a missing π");
-        let wrong = Importance::new(|_: [f64; 3]| 1.0, UniformHemisphere);
-        assert_rejected(
-            support::mean::p_value(plain(&wrong, seed, SAMPLES).mean, 0.0, PI),
+        reject("a missing π", e, PI);
+        let wrong = Importance::new(|[_, _, z]: [f64; 3]| 1.0 + 0.1 * z, UniformHemisphere);
+        reject(
             "a missing cosine",
+            plain(&wrong, seed, SAMPLES),
+            PI + 0.1 * 2.0 * PI / 3.0,
         );
         let wrong = FromFn(|u: &mut dyn Coordinates| roulette(u, 0.75));
         reject("biased roulette", plain(&wrong, seed, SAMPLES), 2.0);
-        // Strata whose first axis is read for the second, too.
+        // A coordinate that is read once and used twice.
         let grid = Stratified::<1>::filling(SAMPLES, 2, seed).unwrap();
         let wrong = FromFn(|u: &mut dyn Coordinates| u.next_1d().powi(2));
         let mut integrator = StratifiedMonteCarlo::new(wrong, grid);
@@ -249,7 +313,10 @@ fn intervals_cover_as_often_as_they_say() {
             ("strata of 2", covered(level, 1.0, exact, strata(2))),
             ("strata of 3", covered(level, 1.0, exact, strata(3))),
         ] {
-            assert_plausible(binomial(n, level), &format!("{name} at {level}: {n} of {RUNS}"));
+            assert_plausible(
+                binomial(n, level),
+                &format!("{name} at {level}: {n} of {RUNS}"),
+            );
         }
         // Bars from neighbours are too long, never too short.
         let n = covered(level, 1.0, exact, strata(1));

@@ -52,7 +52,7 @@ pub struct Mixture<C, const N: usize> {
 
 /// N pdfs that read the same kind of unit point and make the same kind of
 /// point: `[P; N]`, or `(A, B)`.
-pub trait Components<const N: usize> {
+pub trait MixtureComponents<const N: usize> {
     /// What each of them reads.
     type Unit: UnitPoint;
     /// What each of them makes of it.
@@ -65,7 +65,7 @@ pub trait Components<const N: usize> {
     fn densities(&self, x: &Self::Point) -> [f64; N];
 }
 
-impl<P: Pdf, const N: usize> Components<N> for [P; N] {
+impl<P: Pdf, const N: usize> MixtureComponents<N> for [P; N] {
     type Unit = P::Unit;
     type Point = P::Point;
 
@@ -80,7 +80,7 @@ impl<P: Pdf, const N: usize> Components<N> for [P; N] {
     }
 }
 
-impl<A: Pdf, B: Pdf<Unit = A::Unit, Point = A::Point>> Components<2> for (A, B) {
+impl<A: Pdf, B: Pdf<Unit = A::Unit, Point = A::Point>> MixtureComponents<2> for (A, B) {
     type Unit = A::Unit;
     type Point = A::Point;
 
@@ -99,7 +99,7 @@ impl<A: Pdf, B: Pdf<Unit = A::Unit, Point = A::Point>> Components<2> for (A, B) 
     }
 }
 
-impl<C: Components<N>, const N: usize> Mixture<C, N> {
+impl<C: MixtureComponents<N>, const N: usize> Mixture<C, N> {
     /// The mixture of these components in proportion to `weights`.
     ///
     /// # Errors
@@ -117,7 +117,7 @@ impl<C: Components<N>, const N: usize> Mixture<C, N> {
     }
 }
 
-impl<C: Components<N>, const N: usize> Pdf for Mixture<C, N> {
+impl<C: MixtureComponents<N>, const N: usize> Pdf for Mixture<C, N> {
     type Unit = (f64, C::Unit);
     type Point = C::Point;
 
