@@ -1,4 +1,5 @@
-//! Monte Carlo integration with an error bar.
+#![cfg_attr(feature = "parallel", doc = include_str!("../README.md"))]
+#![cfg_attr(not(feature = "parallel"), doc = "Monte Carlo integration.")]
 
 pub mod estimate;
 pub mod estimator;

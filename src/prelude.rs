@@ -5,7 +5,10 @@ pub use crate::estimator::{Estimator, FromFn, Importance, TryImportance, primary
 pub use crate::integrand::{Integrand, with_scratch};
 pub use crate::integrate::{integrate, try_integrate};
 pub use crate::integrator::{Integrator, MonteCarlo, NonFinite, StratifiedMonteCarlo};
-pub use crate::pdf::{Exponential, Interval, Invert, Pdf, Sample};
+pub use crate::pdf::{
+    CosineHemisphere, Exponential, Interval, Invert, Linear, Normal, Pdf, Sample,
+    UniformHemisphere, UnitCube,
+};
 #[cfg(feature = "parallel")]
 pub use crate::run::Threads;
 pub use crate::run::{Cancel, Executor, Finished, Reason, Serial, Stop, run, run_with};

@@ -1,6 +1,8 @@
 //! What a run promises: the same bits on any number of threads, exact budgets,
 //! nothing lost when something fails.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use std::cell::Cell;
 use std::collections::HashSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -264,7 +266,8 @@ fn a_value_that_is_not_finite_is_found_again() {
     let [x, y] = [error.unit[0], error.unit[1]];
     assert_eq!(error.location.point, Some(format!("{:?}", [x, y])));
     assert_eq!(error.location.density, Some(1.0));
-    assert_eq!(partial.unwrap().samples(), error.sample);
+    let partial = partial.unwrap();
+    assert_eq!(partial.samples(), error.sample);
     let again = Replay::new([error.unit.clone()]).unwrap();
     let estimator = Importance::new(f, UnitCube::<2>);
     assert!(primary_estimates(&estimator, &again, 1).all(f64::is_nan));
@@ -280,7 +283,7 @@ fn a_value_that_is_not_finite_is_found_again() {
             panic!("a NaN went through");
         };
         assert_eq!((e.sample, &e.unit), (error.sample, &error.unit));
-        assert_eq!(bits(&p.unwrap()), bits(&partial.unwrap()));
+        assert_eq!(bits(&*p.unwrap()), bits(&*partial));
     }
 }
 
@@ -352,7 +355,7 @@ fn an_integrand_that_fails_returns_its_error_and_the_answer_so_far() {
     let Err(RunError::Sample { error, partial }) = failing else {
         panic!("an error went through");
     };
-    let SampleError { cause, sample, .. } = error;
+    let SampleError { cause, sample, .. } = *error;
     assert_eq!(cause, Cause::Integrand(Broken(3_000)));
     // It was not called again, not even to find the point.
     assert_eq!((sample, calls.get()), (2_999, 3_000));

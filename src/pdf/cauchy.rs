@@ -3,7 +3,7 @@
 use core::f64::consts::{FRAC_1_PI, PI};
 use core::fmt;
 
-use super::interval::off_zero;
+use super::off_zero::off_zero;
 use super::{Invert, Pdf, Sample};
 
 /// The Cauchy (Lorentz, Breit–Wigner) density on (−∞, ∞), with respect to

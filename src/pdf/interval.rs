@@ -3,6 +3,7 @@
 use core::fmt;
 use core::ops::Range;
 
+use super::off_zero::off_zero;
 use super::{Invert, Pdf, Sample};
 
 /// A range of the real line, with respect to length.
@@ -133,13 +134,6 @@ impl TryFrom<Range<f64>> for Interval {
     fn try_from(range: Range<f64>) -> Result<Self, IntervalError> {
         Self::new(range.start, range.end)
     }
-}
-
-/// u, or half the smallest positive coordinate where u is 0.
-#[inline]
-pub(super) fn off_zero(u: f64) -> f64 {
-    const HALF_ULP: f64 = 1.0 / (1_u64 << 54) as f64;
-    u.max(HALF_ULP)
 }
 
 impl Pdf for Interval {

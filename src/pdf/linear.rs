@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::interval::off_zero;
+use super::off_zero::off_zero;
 use super::{Invert, Pdf, Sample};
 
 /// A density that changes linearly from one end of [a, b] to the other, with

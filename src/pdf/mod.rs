@@ -5,13 +5,23 @@
 //! angle, projected solid angle, or counting.
 
 mod cauchy;
+mod cdf;
 mod cone;
 mod cosine_hemisphere;
+mod cuboid;
+mod discrete;
+mod discrete_cdf;
 mod disk;
 mod exponential;
 mod interval;
 mod linear;
+mod mixture;
 mod normal;
+mod off_zero;
+mod partition;
+mod piecewise_constant;
+mod piecewise_constant_2d;
+mod piecewise_linear;
 mod power;
 mod product;
 mod sphere;
@@ -22,15 +32,24 @@ mod triangle;
 mod truncated_normal;
 mod uniform_hemisphere;
 mod unit_cube;
+mod weights;
 
 pub use cauchy::{Cauchy, CauchyError};
 pub use cone::{UniformCone, UniformConeError};
 pub use cosine_hemisphere::CosineHemisphere;
+pub use cuboid::{Cuboid, CuboidError};
+pub use discrete::Discrete;
+pub use discrete_cdf::DiscreteCdf;
 pub use disk::{ConcentricDisk, ConcentricDiskError};
 pub use exponential::{Exponential, ExponentialError};
 pub use interval::{Interval, IntervalError};
 pub use linear::{Linear, LinearError};
+pub use mixture::{Components, Mixture};
 pub use normal::{Normal, NormalError};
+pub use partition::PartitionError;
+pub use piecewise_constant::{PiecewiseConstant1D, PiecewiseConstantError};
+pub use piecewise_constant_2d::{PiecewiseConstant2D, PiecewiseConstant2DError};
+pub use piecewise_linear::{PiecewiseLinear1D, PiecewiseLinearError};
 pub use power::{Power, PowerError};
 pub use sphere::UniformSphere;
 pub use tent::{Tent, TentError};
@@ -38,6 +57,7 @@ pub use triangle::{UniformTriangle, UniformTriangleError};
 pub use truncated_normal::{TruncatedNormal, TruncatedNormalError};
 pub use uniform_hemisphere::UniformHemisphere;
 pub use unit_cube::UnitCube;
+pub use weights::WeightsError;
 
 use core::fmt::Debug;
 

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::interval::off_zero;
+use super::off_zero::off_zero;
 use super::standard_normal::{PEAK, below, quantile};
 use super::{Invert, Pdf, Sample};
 

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::interval::off_zero;
+use super::off_zero::off_zero;
 use super::{Invert, Pdf, Sample};
 
 /// The power-law density on [a, b], with respect to length.

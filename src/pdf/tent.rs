@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::interval::off_zero;
+use super::off_zero::off_zero;
 use super::{Invert, Pdf, Sample};
 
 /// The tent (triangular) density on [c − r, c + r], with respect to length.

@@ -2,8 +2,8 @@
 
 use core::fmt;
 
-use super::interval::off_zero;
 use super::normal::Normal;
+use super::off_zero::off_zero;
 use super::standard_normal::{PEAK, below, mass, mills, quantile};
 use super::{Invert, Pdf, Sample};
 

@@ -64,9 +64,9 @@ pub enum RunError<A, E> {
     /// A sample failed.
     Sample {
         /// Why and where.
-        error: E,
+        error: Box<E>,
         /// The answer from the samples before it.
-        partial: Option<A>,
+        partial: Option<Box<A>>,
     },
     /// It was ended before there was an answer. The integrator keeps what it
     /// has, and goes on from there if it is run again.
@@ -98,7 +98,7 @@ impl<A, E: fmt::Display> fmt::Display for RunError<A, E> {
 impl<A: fmt::Debug, E: core::error::Error + 'static> core::error::Error for RunError<A, E> {
     fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
         match self {
-            Self::Sample { error, .. } => Some(error),
+            Self::Sample { error, .. } => Some(&**error),
             Self::Stop(error) => Some(error),
             _ => None,
         }
@@ -182,8 +182,8 @@ pub fn run_with<I: Integrator>(
             integrator
                 .absorb(merged, pass.blocks)
                 .map_err(|error| RunError::Sample {
-                    error,
-                    partial: integrator.answer(),
+                    error: Box::new(error),
+                    partial: integrator.answer().map(Box::new),
                 })?;
             progress(Progress {
                 integrator,

@@ -1,0 +1,51 @@
+//! Memory does not grow with the samples, and no sample allocates.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::hint::black_box;
+
+use allocation_counter::{AllocationInfo, measure};
+use estimand::pdf::UnitCube;
+use estimand::prelude::*;
+
+fn of(f: impl FnOnce()) -> AllocationInfo {
+    measure(f)
+}
+
+fn plain(samples: u64) {
+    let estimator = Importance::new(|[x, y]: [f64; 2]| [x, x * y], UnitCube::<2>);
+    let mut integrator = MonteCarlo::new(estimator, Independent::new(1));
+    run(&mut integrator, &Serial, &Stop::samples(samples)).unwrap();
+}
+
+fn strata(samples: u64) {
+    let estimator = Importance::new(|[x, y]: [f64; 2]| x * y, UnitCube::<2>);
+    let grid = Stratified::<2>::filling(samples, 2, 1).unwrap();
+    let mut integrator = StratifiedMonteCarlo::new(estimator, grid);
+    run(&mut integrator, &Serial, &Stop::samples(samples)).unwrap();
+}
+
+/// Each pass merges its blocks in a tree of at most log₂ n subtrees; that, and
+/// nothing else, is allocated.
+#[test]
+fn a_run_allocates_by_the_pass_and_not_by_the_sample() {
+    for integrate in [plain, strata] {
+        let few = of(|| integrate(10_000));
+        let many = of(|| integrate(10_000_000));
+        assert!(few.count_total < 40, "{few:?}");
+        // A thousand times the samples: seventeen times 1.5 more passes.
+        assert!(many.count_total < 200, "{many:?}");
+        assert!(many.bytes_max < 20_000, "{many:?}");
+    }
+}
+
+/// The same test sees an integrand that allocates.
+#[test]
+fn an_integrand_that_allocates_is_noticed() {
+    let info = of(|| {
+        let estimator = Importance::new(|x| black_box(vec![x]).len() as f64, Interval::unit());
+        let mut integrator = MonteCarlo::new(estimator, Independent::new(1));
+        run(&mut integrator, &Serial, &Stop::samples(10_000)).unwrap();
+    });
+    assert!(info.count_total > 10_000, "{info:?}");
+}

@@ -1,0 +1,19 @@
+//! What the README shows is what its program prints.
+
+use estimand::prelude::*;
+
+#[test]
+fn the_output_in_the_readme_is_that_of_its_program() {
+    let f = |x| x + 2.0;
+    let (line, budget) = (Interval::new(1.0, 4.0).unwrap(), Stop::samples(100_000));
+    let p = Linear::new(1.0, 4.0, 1.0, 4.0).unwrap();
+    let strata = Stratified::new([50_000], 2, 7).unwrap();
+    let mut integrator = StratifiedMonteCarlo::new(Importance::new(f, line), strata);
+    let printed = format!(
+        "uniform      {}\nimportance   {}\nstratified   {}\n",
+        integrate(f, line, &budget).unwrap(),
+        integrate(f, p, &budget).unwrap(),
+        run(&mut integrator, &Serial, &budget).unwrap(),
+    );
+    assert!(include_str!("../README.md").contains(&printed), "{printed}");
+}
