@@ -99,7 +99,7 @@ fn a_refined_run_takes_only_what_is_missing() {
     assert_eq!(bits(&third.answer), bits(&second.answer));
 }
 
-/// The points of a refined run are those of a run that was never interrupted.
+/// A refined run draws points of its own: none of the earlier ones comes back.
 #[test]
 fn a_refined_run_sees_no_point_twice() {
     let seen = Mutex::new(HashSet::new());
