@@ -284,7 +284,12 @@ fn stratified_over_replay() {
     };
     for (m, x) in points(&grid, block, 3).iter().enumerate() {
         let (i, j) = ((m / 4) as f64, (m % 4) as f64);
-        assert_eq!(x[..], [(i + 0.5) / 2.0, (j + 0.25) / 4.0, 0.75]);
+        // 1/n is rounded down, so that no coordinate reaches 1.
+        let width = |n: f64| (1.0 / n).next_down();
+        assert_eq!(
+            x[..],
+            [(i + 0.5) * width(2.0), (j + 0.25) * width(4.0), 0.75]
+        );
     }
 }
 

@@ -15,7 +15,8 @@ use super::{Block, Coordinates, Independent, Randomize, Sampler};
 ///
 /// The points of a stratum follow one another; strata follow one another in
 /// row-major order, the last axis fastest. After the last stratum the grid
-/// starts again with fresh jitter. The jitter is [`Independent`] unless
+/// starts again with fresh jitter. 1/nₖ is rounded down, by an ulp, so that no
+/// coordinate reaches 1. The jitter is [`Independent`] unless
 /// another sampler is given to [`Stratified::over`].
 ///
 /// # Example
@@ -126,12 +127,12 @@ impl<const D: usize> Stratified<D> {
                 .and_then(|d| n.checked_pow(d))
                 .is_some_and(|cells| cells <= strata)
         };
-        let mut count = (strata as f64).powf(1.0 / D.max(1) as f64) as u64;
+        let mut count = (strata as f64).powf(1.0 / D as f64) as u64;
         // The root is good to a rounding error.
         while count > 0 && !fits(count) {
             count -= 1;
         }
-        while D > 0 && fits(count + 1) {
+        while fits(count + 1) {
             count += 1;
         }
         Self::new([count; D], per_stratum, seed)
@@ -145,6 +146,7 @@ impl<const D: usize, J> Stratified<D, J> {
     ///
     /// As [`Stratified::new`].
     pub fn over(jitter: J, counts: [u64; D], per_stratum: u64) -> Result<Self, StratifiedError> {
+        const { assert!(D > 0, "a grid needs at least one axis") };
         let mut strata = 1_u64;
         for (axis, &count) in counts.iter().enumerate() {
             if count == 0 {
@@ -213,8 +215,12 @@ pub struct StratifiedStream<const D: usize, C> {
     counts: [f64; D],
     widths: [f64; D],
     cell: [f64; D],
-    per_stratum: u64,
-    /// How many points of the stratum are still to come.
+    /// What each point adds to j of the last axis: 1 where each point has a
+    /// stratum of its own, else 0.
+    step: f64,
+    /// How many points share a row of such strata, or a stratum.
+    run: u64,
+    /// How many points of the run are still to come.
     left: u64,
     /// Which coordinate comes next.
     axis: usize,
@@ -222,46 +228,57 @@ pub struct StratifiedStream<const D: usize, C> {
 }
 
 impl<const D: usize, C> StratifiedStream<D, C> {
+    /// To the first stratum of the next row, or to the next stratum.
     #[inline]
-    fn next_stratum(&mut self) {
+    fn next_run(&mut self) {
+        self.cell[D - 1] += 1.0 - self.step;
         for axis in (0..D).rev() {
-            self.cell[axis] += 1.0;
             if self.cell[axis] < self.counts[axis] {
                 break;
             }
-            end_of_row();
             self.cell[axis] = 0.0;
+            if axis > 0 {
+                self.cell[axis - 1] += 1.0;
+            }
         }
     }
 }
 
-/// Tells the compiler that the end of a row is rare: it then branches, where a
-/// select would put its latency on every point.
-#[cold]
-fn end_of_row() {}
+/// 1/n, or a float below: in the last stratum (n − 1) + ξ may round up to n,
+/// and n times this is still below 1. A comparison for each coordinate would
+/// cost more than an ulp is worth.
+fn width(n: u64) -> f64 {
+    let n = n as f64;
+    let last = (n - 1.0) + (1.0 - f64::EPSILON / 2.0);
+    let mut width = 1.0 / n;
+    while last * width >= 1.0 {
+        width = width.next_down();
+    }
+    width
+}
 
 impl<const D: usize, C: Coordinates> Coordinates for StratifiedStream<D, C> {
     #[inline]
     fn next_point(&mut self) {
         self.jitter.next_point();
         self.axis = 0;
-        if self.left == 0 {
-            self.left = self.per_stratum;
-            self.next_stratum();
-        }
-        self.left -= 1;
+        self.cell[D - 1] += self.step;
+        self.left = match self.left.checked_sub(1) {
+            Some(left) => left,
+            None => {
+                self.next_run();
+                self.run - 1
+            }
+        };
     }
 
     #[inline]
     fn next_1d(&mut self) -> f64 {
-        const LAST: f64 = 1.0 - f64::EPSILON / 2.0;
         let u = self.jitter.next_1d();
         let axis = self.axis;
         if axis < D {
             self.axis += 1;
-            let x = (self.cell[axis] + u) * self.widths[axis];
-            // In the last stratum the sum may round up to the count.
-            if x < LAST { x } else { LAST }
+            (self.cell[axis] + u) * self.widths[axis]
         } else {
             u
         }
@@ -281,12 +298,21 @@ impl<const D: usize, J: Sampler> Sampler for Stratified<D, J> {
             *j = (stratum % n) as f64;
             stratum /= n;
         }
+        // Each point is stepped to before it is read.
+        let (step, run, done) = if self.per_stratum == 1 {
+            let (row, done) = (self.counts[D - 1], cell[D - 1]);
+            cell[D - 1] -= 1.0;
+            (1.0, row, done as u64)
+        } else {
+            (0.0, self.per_stratum, block.start % self.per_stratum)
+        };
         StratifiedStream {
             counts: self.counts.map(|n| n as f64),
-            widths: self.counts.map(|n| 1.0 / n as f64),
+            widths: self.counts.map(width),
             cell,
-            per_stratum: self.per_stratum,
-            left: self.per_stratum - block.start % self.per_stratum,
+            step,
+            run,
+            left: run - done,
             axis: 0,
             jitter: self.jitter.stream(block),
         }
