@@ -58,7 +58,20 @@ fn parenthesised(mean: f64, error: f64) -> String {
         let last = error * 10_f64.powi(decimals as i32);
         format!("{mean:.decimals$}({last:.0})")
     } else {
-        format!("{mean:.decimals$}({error:.decimals$})")
+        // From 100 on, the last of the two digits is not the last of the number.
+        let unit = 10_f64.powi(exponent - 1);
+        let rounded = |x: f64| {
+            if exponent < 2 {
+                x
+            } else {
+                (x / unit).round() * unit
+            }
+        };
+        format!(
+            "{:.decimals$}({:.decimals$})",
+            rounded(mean),
+            rounded(error)
+        )
     }
 }
 
@@ -74,6 +87,7 @@ mod tests {
             (14.25, 2.25, "14.2(2.2)"),
             (14.0, 23.0, "14(23)"),
             (1350.0, 120.0, "1350(120)"),
+            (184_834.0, 4_886.0, "184800(4900)"),
             (0.0, 0.0, "0(0)"),
             (13.5, 0.0, "13.5(0)"),
             (13.5, f64::INFINITY, "13.5(∞)"),

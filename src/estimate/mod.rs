@@ -5,6 +5,7 @@ mod interval;
 mod moments;
 mod ratio;
 mod sum;
+mod sums;
 mod tolerance;
 
 pub use interval::{ConfidenceInterval, LevelError};
@@ -111,6 +112,20 @@ impl<V: Value> Estimate<V> {
             degrees_of_freedom: degrees_of_freedom.max(0.0),
             error_source,
             moments: *moments,
+        })
+    }
+
+    /// One component by itself; `None` if there is none of this number.
+    #[must_use]
+    pub fn component(&self, k: usize) -> Option<Estimate<f64>> {
+        let mean = *self.mean.components().as_ref().get(k)?;
+        Some(Estimate {
+            mean,
+            standard_error: self.standard_error.components().as_ref()[k],
+            covariance: [[self.covariance.as_ref()[k].as_ref()[k]]],
+            degrees_of_freedom: self.degrees_of_freedom,
+            error_source: self.error_source,
+            moments: self.moments.component(k),
         })
     }
 

@@ -1,5 +1,6 @@
 //! Central moments of the primary estimates.
 
+use super::sums::Sums;
 use crate::merge::Merge;
 use crate::value::{Components, Value};
 
@@ -131,6 +132,19 @@ impl<V: Value> Moments<V> {
         }
     }
 
+    /// Those of one component, which exists.
+    pub(super) fn component(&self, k: usize) -> Moments<f64> {
+        Moments {
+            count: self.count,
+            non_finite: self.non_finite,
+            mean: [self.mean.as_ref()[k]],
+            second: [[self.second.as_ref()[k].as_ref()[k]]],
+            third: [self.third.as_ref()[k]],
+            fourth: [self.fourth.as_ref()[k]],
+            largest: [self.largest.as_ref()[k]],
+        }
+    }
+
     /// How many finite values were added.
     #[must_use]
     pub const fn count(&self) -> u64 {
@@ -241,116 +255,6 @@ fn from_fn<V: Value>(f: impl FnMut(usize) -> f64) -> V::Wide {
         *c = x;
     }
     V::wide(components)
-}
-
-/// How many values of one component are added at once.
-const LANES: usize = 4;
-
-/// Raw sums of a slice about a fixed origin.
-struct Sums<V: Value> {
-    first: V::Components,
-    second: <V::Components as Components>::Matrix,
-    third: V::Components,
-    fourth: V::Components,
-    largest: V::Components,
-}
-
-impl<V: Value> Sums<V> {
-    const ZERO: Self = Self {
-        first: V::Components::ZERO,
-        second: V::Components::ZERO_MATRIX,
-        third: V::Components::ZERO,
-        fourth: V::Components::ZERO,
-        largest: V::Components::ZERO,
-    };
-
-    #[inline]
-    fn of(values: &[V], origin: V::Components) -> Self {
-        if V::Components::COUNT == 1 {
-            return Self::of_scalars(values, origin);
-        }
-        let mut sums = Self::ZERO;
-        for value in values {
-            sums.add(value.components(), origin);
-        }
-        sums
-    }
-
-    #[inline]
-    fn add(&mut self, x: V::Components, origin: V::Components) {
-        for k in 0..V::Components::COUNT {
-            let x = x.as_ref()[k];
-            let d = x - origin.as_ref()[k];
-            self.first.as_mut()[k] += d;
-            self.third.as_mut()[k] += d * d * d;
-            self.fourth.as_mut()[k] += (d * d) * (d * d);
-            let largest = &mut self.largest.as_mut()[k];
-            *largest = if x.abs() > *largest {
-                x.abs()
-            } else {
-                *largest
-            };
-        }
-        for k in 0..V::Components::COUNT {
-            for l in 0..=k {
-                self.second.as_mut()[k].as_mut()[l] +=
-                    (x.as_ref()[k] - origin.as_ref()[k]) * (x.as_ref()[l] - origin.as_ref()[l]);
-            }
-        }
-    }
-
-    /// The same sums for values of one component, in lanes that a processor
-    /// adds at once.
-    #[inline]
-    fn of_scalars(values: &[V], origin: V::Components) -> Self {
-        let origin_components = origin;
-        let origin = origin.as_ref()[0];
-        let [mut first, mut second, mut third, mut fourth, mut largest] = [[0.0; LANES]; 5];
-        let fours = values.chunks_exact(LANES);
-        let rest = fours.remainder();
-        for four in fours {
-            // One operation after the other, each on all lanes: that is what
-            // compilers see as vectors.
-            let x: [f64; LANES] = core::array::from_fn(|l| four[l].components().as_ref()[0]);
-            let d: [f64; LANES] = core::array::from_fn(|l| x[l] - origin);
-            let d2: [f64; LANES] = core::array::from_fn(|l| d[l] * d[l]);
-            first = core::array::from_fn(|l| first[l] + d[l]);
-            second = core::array::from_fn(|l| second[l] + d2[l]);
-            third = core::array::from_fn(|l| third[l] + d2[l] * d[l]);
-            fourth = core::array::from_fn(|l| fourth[l] + d2[l] * d2[l]);
-            largest = core::array::from_fn(|l| {
-                if x[l].abs() > largest[l] {
-                    x[l].abs()
-                } else {
-                    largest[l]
-                }
-            });
-        }
-        let mut sums = Self::ZERO;
-        for value in rest {
-            sums.add(value.components(), origin_components);
-        }
-        sums.add_lanes(&[first, second, third, fourth, largest]);
-        sums
-    }
-
-    /// Out of line: inlined, it makes compilers pack unlike sums together.
-    #[inline(never)]
-    fn add_lanes(&mut self, [first, second, third, fourth, largest]: &[[f64; LANES]; 5]) {
-        let total = |sum: &[f64; LANES]| (sum[0] + sum[1]) + (sum[2] + sum[3]);
-        self.first.as_mut()[0] += total(first);
-        self.second.as_mut()[0].as_mut()[0] += total(second);
-        self.third.as_mut()[0] += total(third);
-        self.fourth.as_mut()[0] += total(fourth);
-        let size = &mut self.largest.as_mut()[0];
-        *size = largest.iter().copied().fold(*size, f64::max);
-    }
-
-    /// Σ(x − origin) is finite only if every x is.
-    #[inline]
-    fn are_finite(&self) -> bool {
-        self.first.as_ref().iter().all(|s| s.is_finite())
-    }
 }
 
 impl<V: Value> Merge for Moments<V> {
@@ -471,6 +375,21 @@ mod tests {
         assert_eq!(one.variance(), None);
         let same: Moments<f64> = [1.0, 1.0].into_iter().collect();
         assert_eq!((same.variance(), same.skewness()), (Some(0.0), None));
+    }
+
+    #[test]
+    fn a_component_has_the_moments_of_its_own() {
+        let both: Moments<[f64; 2]> = [[1.0, 5.0], [2.0, -7.0], [4.0, 0.5]].into_iter().collect();
+        let second: Moments<f64> = [5.0, -7.0, 0.5].into_iter().collect();
+        let component = both.component(1);
+        assert_eq!((component.count(), component.largest()), (3, 7.0));
+        assert_relative_eq!(component.mean(), second.mean(), max_relative = 1e-15);
+        assert_relative_eq!(
+            component.second[0][0],
+            second.second[0][0],
+            max_relative = 1e-15
+        );
+        assert_relative_eq!(component.fourth[0], second.fourth[0], max_relative = 1e-14);
     }
 
     #[test]

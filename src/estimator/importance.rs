@@ -66,7 +66,17 @@ impl<F, P: Pdf> Importance<F, P> {
 /// value/density, NaN where the density is not positive.
 #[inline]
 fn weigh<V: Value>(value: V, density: f64) -> V::Wide {
-    value.over(if density > 0.0 { density } else { f64::NAN })
+    if density > 0.0 {
+        value.over(density)
+    } else {
+        not_a_density(value)
+    }
+}
+
+/// Out of line, so that the test above is a branch that is never taken.
+#[cold]
+fn not_a_density<V: Value>(value: V) -> V::Wide {
+    value.over(f64::NAN)
 }
 
 /// Where the pdf goes from the coordinates of `u`.

@@ -129,28 +129,13 @@ impl Interval {
     }
 }
 
-impl TryFrom<Range<f64>> for Interval {
-    type Error = IntervalError;
-    fn try_from(range: Range<f64>) -> Result<Self, IntervalError> {
-        Self::new(range.start, range.end)
-    }
-}
-
-impl Pdf for Interval {
-    type Unit = f64;
-    type Point = f64;
-
-    #[inline]
-    fn sample(&self, u: f64) -> Sample<f64> {
+impl Interval {
+    /// Apart, so that a bounded range costs one comparison and not a table of
+    /// jumps.
+    #[inline(never)]
+    fn sample_unbounded(&self, u: f64) -> Sample<f64> {
         match self.shape {
-            Shape::Bounded {
-                start,
-                width,
-                density,
-            } => Sample {
-                point: start + width * u,
-                density,
-            },
+            Shape::Bounded { .. } => self.sample(u),
             Shape::Above(start) => {
                 let v = 1.0 - u;
                 Sample {
@@ -173,6 +158,33 @@ impl Pdf for Interval {
                     density: 0.5 * v * v,
                 }
             }
+        }
+    }
+}
+
+impl TryFrom<Range<f64>> for Interval {
+    type Error = IntervalError;
+    fn try_from(range: Range<f64>) -> Result<Self, IntervalError> {
+        Self::new(range.start, range.end)
+    }
+}
+
+impl Pdf for Interval {
+    type Unit = f64;
+    type Point = f64;
+
+    #[inline]
+    fn sample(&self, u: f64) -> Sample<f64> {
+        match self.shape {
+            Shape::Bounded {
+                start,
+                width,
+                density,
+            } => Sample {
+                point: start + width * u,
+                density,
+            },
+            _ => self.sample_unbounded(u),
         }
     }
 
