@@ -1,11 +1,13 @@
-//! What the crate costs on top of a hand-written loop: both in one run,
-//! alternating, medians of the time and their ratio.
+//! What the crate costs on top of a hand-written loop, what strata cost on top
+//! of independent points, and what a second thread is worth: all in one run,
+//! alternating, medians and their ratio.
 //!
-//! `cargo bench --bench overhead` prints the table. With the name of a row and
-//! a side (`ours` or `theirs`) it runs that alone, once, for a profiler:
-//! `valgrind --tool=callgrind target/release/deps/overhead-… gauss_5 ours`.
+//! `cargo bench --bench overhead` prints the table;
+//! `cargo bench --bench overhead -- --instructions` adds the instructions that
+//! each sample takes, counted by valgrind, which has to be installed.
 
 use std::hint::black_box;
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 use estimand::pdf::UnitCube;
@@ -43,13 +45,27 @@ fn by_hand<const D: usize>(f: impl Fn([f64; D]) -> f64) -> f64 {
 }
 
 #[inline(always)]
+fn finish<I>(mut integrator: I) -> f64
+where
+    I: Integrator<Answer = Estimate<f64>>,
+{
+    run(&mut integrator, &Serial, &Stop::samples(SAMPLES)).map_or(f64::NAN, |r| {
+        r.answer.mean + black_box(r.answer.standard_error)
+    })
+}
+
+#[inline(always)]
 fn plain<const D: usize>(f: impl Fn([f64; D]) -> f64) -> f64 {
     let estimator = Importance::new(f, UnitCube::<D>);
-    let sampler = Independent::new(7);
-    let mut integrator = MonteCarlo::new(estimator, sampler);
-    let answer = run(&mut integrator, &Serial, &Stop::samples(SAMPLES));
-    answer.map_or(f64::NAN, |r| {
-        r.answer.mean + black_box(r.answer.standard_error)
+    finish(MonteCarlo::new(estimator, Independent::new(7)))
+}
+
+/// Two samples in each stratum.
+#[inline(always)]
+fn strata<const D: usize>(counts: [u64; D], f: impl Fn([f64; D]) -> f64) -> f64 {
+    let estimator = Importance::new(f, UnitCube::<D>);
+    Stratified::new(counts, 2, 7).map_or(f64::NAN, |grid| {
+        finish(StratifiedMonteCarlo::new(estimator, grid))
     })
 }
 
@@ -76,18 +92,16 @@ fn gauss_5(x: [f64; 5]) -> f64 {
     (-s).exp()
 }
 
-fn main() {
-    let rows = [
+/// Both sides of each comparison; the hand-written loops are "theirs".
+fn rows() -> [Row; 7] {
+    [
         Row {
             name: "linear_1",
             bound: 1.5,
             ours: || {
                 let interval = Interval::new(1.0, 4.0).unwrap_or(Interval::unit());
                 let estimator = Importance::new(|x| x + 2.0, interval);
-                let sampler = Independent::new(7);
-                let mut integrator = MonteCarlo::new(estimator, sampler);
-                run(&mut integrator, &Serial, &Stop::samples(SAMPLES))
-                    .map_or(f64::NAN, |r| r.answer.mean)
+                finish(MonteCarlo::new(estimator, Independent::new(7)))
             },
             theirs: || by_hand(|[u]: [f64; 1]| 3.0 * ((1.0 + 3.0 * u) + 2.0)),
         },
@@ -117,38 +131,109 @@ fn main() {
             },
             theirs: || points::<5>(&Independent::new(7)),
         },
-    ];
+        // With the errors that strata and independent points have, as well.
+        Row {
+            name: "strata_mc_1",
+            bound: f64::NAN,
+            ours: || strata([SAMPLES / 2], |[x]| x),
+            theirs: || plain(|[x]: [f64; 1]| x),
+        },
+        Row {
+            name: "strata_mc_5",
+            bound: f64::NAN,
+            ours: || strata([16, 16, 16, 16, SAMPLES / 131_072], sum_5),
+            theirs: || plain(sum_5),
+        },
+    ]
+}
+
+fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    if let [name, side] = &words[..] {
-        for row in rows.iter().filter(|row| row.name == name) {
-            let f = if side == "ours" { row.ours } else { row.theirs };
-            println!("{}", f());
-        }
+    if let [name, side] = &words[..]
+        && let Some(row) = rows().iter().find(|row| row.name == name)
+    {
+        println!(
+            "{}",
+            if side == "ours" {
+                (row.ours)()
+            } else {
+                (row.theirs)()
+            }
+        );
         return;
     }
-    println!(
-        "{:<14} {:>9} {:>9} {:>7} {:>7}",
-        "", "ours ns", "theirs ns", "ratio", "asked"
-    );
-    for row in rows {
-        let mut times = [Vec::new(), Vec::new()];
-        for _ in 0..ROUNDS {
-            for (f, times) in [row.ours, row.theirs].into_iter().zip(&mut times) {
-                let start = Instant::now();
-                black_box(f());
-                times.push(start.elapsed());
+    let count = words.iter().any(|word| word == "--instructions");
+    println!("                  ns a sample                instructions");
+    println!("                 ours  theirs  ratio  asked    ours  theirs");
+    for row in rows() {
+        let [ours, theirs] = alternate([row.ours, row.theirs], ROUNDS);
+        print!(
+            "{:<13}{ours:>8.2}{theirs:>8.2}{:>7.2}",
+            row.name,
+            ours / theirs
+        );
+        print!("{:>7.2}", row.bound);
+        if count {
+            for side in ["ours", "theirs"] {
+                match instructions(row.name, side) {
+                    Some(n) => print!("{n:>8.1}"),
+                    None => print!("{:>8}", "?"),
+                }
             }
         }
-        let [ours, theirs] = times.map(median);
-        println!(
-            "{:<14} {:>9.3} {:>9.3} {:>7.3} {:>7.2}",
-            row.name,
-            ours,
-            theirs,
-            ours / theirs,
-            row.bound
-        );
+        println!();
     }
+    #[cfg(feature = "parallel")]
+    threads();
+}
+
+/// 10⁸ samples on one thread and on two.
+#[cfg(feature = "parallel")]
+fn threads() {
+    fn on(threads: usize) -> f64 {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.map_or(f64::NAN, |pool| {
+            pool.install(|| {
+                let estimator = Importance::new(gauss_5, UnitCube::<5>);
+                let mut integrator = MonteCarlo::new(estimator, Independent::new(7));
+                run(&mut integrator, &Threads, &Stop::samples(50 * SAMPLES))
+                    .map_or(f64::NAN, |r| r.answer.mean)
+            })
+        })
+    }
+    let [one, two] = alternate([|| on(1), || on(2)], 5);
+    println!(
+        "\ngauss_5 at 10⁸ samples, two threads against one: {:.2}×",
+        one / two
+    );
+}
+
+/// Medians of the time of both, in nanoseconds a sample, taken in turn.
+fn alternate(sides: [fn() -> f64; 2], rounds: usize) -> [f64; 2] {
+    let mut times = [Vec::new(), Vec::new()];
+    for _ in 0..rounds {
+        for (f, times) in sides.into_iter().zip(&mut times) {
+            let start = Instant::now();
+            black_box(f());
+            times.push(start.elapsed());
+        }
+    }
+    times.map(median)
+}
+
+/// Instructions a sample, of this program run on one side alone.
+fn instructions(name: &str, side: &str) -> Option<f64> {
+    let output = Command::new("valgrind")
+        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
+        .arg(std::env::current_exe().ok()?)
+        .args([name, side])
+        .output()
+        .ok()?;
+    let report = String::from_utf8(output.stderr).ok()?;
+    let total = report
+        .lines()
+        .find_map(|line| line.split_once("Collected : "))?;
+    Some(total.1.trim().parse::<f64>().ok()? / SAMPLES as f64)
 }
 
 /// In nanoseconds a sample.

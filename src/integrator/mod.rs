@@ -4,6 +4,7 @@ mod monte_carlo;
 mod plan;
 mod sample_block;
 mod sample_error;
+mod strata;
 mod stratified_monte_carlo;
 
 pub use monte_carlo::MonteCarlo;

@@ -1,0 +1,272 @@
+//! Means and variances within strata.
+
+use crate::estimate::{ErrorSource, Estimate, Moments};
+use crate::merge::Merge;
+use crate::sampler::Stratified;
+use crate::value::{Components, Value};
+
+/// Sums over strata.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Strata<V: Value> {
+    /// Σ ȳₘ, over `count` strata.
+    means: V::Components,
+    count: u64,
+    /// Σ of estimates of the covariance of a ȳₘ, over `terms` of them, and the
+    /// squares of its diagonal, for the degrees of freedom.
+    covariances: <V::Components as Components>::Matrix,
+    squares: V::Components,
+    terms: u64,
+    /// Of all primary estimates, pooled.
+    pub(super) moments: Moments<V>,
+}
+
+impl<V: Value> Default for Strata<V> {
+    fn default() -> Self {
+        Self {
+            means: V::Components::ZERO,
+            count: 0,
+            covariances: V::Components::ZERO_MATRIX,
+            squares: V::Components::ZERO,
+            terms: 0,
+            moments: Moments::new(),
+        }
+    }
+}
+
+impl<V: Value> Merge for Strata<V> {
+    fn merge(&mut self, right: Self) {
+        for k in 0..V::Components::COUNT {
+            self.means.as_mut()[k] += right.means.as_ref()[k];
+            self.squares.as_mut()[k] += right.squares.as_ref()[k];
+            for l in 0..=k {
+                self.covariances.as_mut()[k].as_mut()[l] +=
+                    right.covariances.as_ref()[k].as_ref()[l];
+            }
+        }
+        self.count += right.count;
+        self.terms += right.terms;
+        self.moments.merge(right.moments);
+    }
+}
+
+impl<V: Value> Strata<V> {
+    /// Adds a covariance whose element (k, l) is f(k, l).
+    #[inline]
+    fn add_covariance(&mut self, f: impl Fn(usize, usize) -> f64) {
+        for k in 0..V::Components::COUNT {
+            for l in 0..=k {
+                self.covariances.as_mut()[k].as_mut()[l] += f(k, l);
+            }
+            let variance = f(k, k);
+            self.squares.as_mut()[k] += variance * variance;
+        }
+        self.terms += 1;
+    }
+
+    /// Adds a stratum of n samples, given (1/n, 1/n(n − 1)), and returns its
+    /// mean.
+    #[inline]
+    fn add(&mut self, stratum: &Stratum<V>, n: u64, (inverse, scale): (f64, f64)) -> V::Components {
+        let mean = stratum.mean(inverse);
+        for (sum, m) in self.means.as_mut().iter_mut().zip(mean.as_ref()) {
+            *sum += m;
+        }
+        self.count += 1;
+        if n > 1 {
+            let (first, second) = (&stratum.first, &stratum.second);
+            self.add_covariance(|k, l| {
+                let product = first.as_ref()[k] * first.as_ref()[l];
+                (second.as_ref()[k].as_ref()[l] - product * inverse) * scale
+            });
+        }
+        mean
+    }
+
+    pub(super) fn estimate(&self, per_stratum: u64) -> Option<Estimate<V>> {
+        if self.count == 0 {
+            return None;
+        }
+        let strata = self.count as f64;
+        let mut mean = self.means;
+        for x in mean.as_mut() {
+            *x /= strata;
+        }
+        // ν of one term; successive differences overlap, which leaves 2/3.
+        let (nu, share, source) = if per_stratum == 1 {
+            (1.0, 2.0 / 3.0, ErrorSource::NeighbouringStrata)
+        } else {
+            ((per_stratum - 1) as f64, 1.0, ErrorSource::WithinStrata)
+        };
+        let mut freedom = nu * share * self.terms as f64;
+        let covariance = (self.terms > 0).then(|| {
+            let mut covariance = V::Components::ZERO_MATRIX;
+            let scale = 1.0 / (self.terms as f64 * strata);
+            for k in 0..V::Components::COUNT {
+                let sum = self.covariances.as_ref()[k].as_ref()[k];
+                let square = self.squares.as_ref()[k];
+                if square > 0.0 {
+                    // Welch–Satterthwaite; E s⁴ = σ⁴ (ν + 2)/ν.
+                    freedom = freedom.min(share * (nu + 2.0) * sum * sum / square);
+                }
+                for l in 0..=k {
+                    let c = self.covariances.as_ref()[k].as_ref()[l] * scale;
+                    covariance.as_mut()[k].as_mut()[l] = c;
+                    covariance.as_mut()[l].as_mut()[k] = c;
+                }
+            }
+            covariance
+        });
+        Estimate::new(V::wide(mean), covariance, freedom, source, &self.moments)
+    }
+}
+
+/// 1/n and 1/n(n − 1), which is not used where n is 1.
+fn scales(n: u64) -> (f64, f64) {
+    let n = n as f64;
+    (1.0 / n, 1.0 / (n * (n - 1.0)))
+}
+
+/// Sums over the samples of one stratum, about the first of them.
+#[derive(Clone, Copy)]
+struct Stratum<V: Value> {
+    origin: V::Components,
+    first: V::Components,
+    second: <V::Components as Components>::Matrix,
+}
+
+impl<V: Value> Stratum<V> {
+    #[inline]
+    const fn new(origin: V::Components) -> Self {
+        Self {
+            origin,
+            first: V::Components::ZERO,
+            second: V::Components::ZERO_MATRIX,
+        }
+    }
+
+    #[inline]
+    fn add(&mut self, y: V::Components) {
+        let mut d = y;
+        for (d, o) in d.as_mut().iter_mut().zip(self.origin.as_ref()) {
+            *d -= o;
+        }
+        for k in 0..V::Components::COUNT {
+            self.first.as_mut()[k] += d.as_ref()[k];
+            for l in 0..=k {
+                self.second.as_mut()[k].as_mut()[l] += d.as_ref()[k] * d.as_ref()[l];
+            }
+        }
+    }
+
+    /// ȳₘ, given 1/n.
+    #[inline]
+    fn mean(&self, inverse: f64) -> V::Components {
+        let mut mean = self.origin;
+        for (m, s) in mean.as_mut().iter_mut().zip(self.first.as_ref()) {
+            *m += s * inverse;
+        }
+        mean
+    }
+}
+
+/// Follows the strata through a block.
+pub(super) struct Walk<V: Value> {
+    per_stratum: u64,
+    scales: (f64, f64),
+    /// Strata in a row along the fastest axis; how many of the current one are
+    /// done.
+    row: u64,
+    in_row: u64,
+    /// Samples of the current stratum: all, the finite ones, and their sums.
+    seen: u64,
+    finite: u64,
+    stratum: Stratum<V>,
+    /// The mean of the stratum before, in the same row and block.
+    before: Option<V::Components>,
+}
+
+impl<V: Value> Walk<V> {
+    pub(super) fn new<const D: usize, J>(grid: &Stratified<D, J>, start: u64) -> Self {
+        let row = grid.row();
+        Self {
+            per_stratum: grid.per_stratum(),
+            scales: scales(grid.per_stratum()),
+            row,
+            in_row: start / grid.per_stratum() % row,
+            seen: 0,
+            finite: 0,
+            stratum: Stratum::new(V::Components::ZERO),
+            before: None,
+        }
+    }
+
+    /// Over values all of which are finite: whole strata at a time, if they have
+    /// more than one sample.
+    #[inline]
+    pub(super) fn over_finite(&mut self, mut values: &[V], strata: &mut Strata<V>) {
+        let n = self.per_stratum as usize;
+        if n > 1 {
+            let begun = (n - self.seen as usize) % n;
+            let (rest_of_one, whole) = values.split_at(begun.min(values.len()));
+            for value in rest_of_one {
+                self.step(value.components(), true, strata);
+            }
+            let whole = whole.chunks_exact(n);
+            values = whole.remainder();
+            let mut sums = *strata;
+            for samples in whole {
+                let mut stratum = Stratum::<V>::new(samples[0].components());
+                for y in &samples[1..] {
+                    stratum.add(y.components());
+                }
+                sums.add(&stratum, n as u64, self.scales);
+            }
+            *strata = sums;
+        }
+        for value in values {
+            self.step(value.components(), true, strata);
+        }
+    }
+
+    #[inline]
+    pub(super) fn step(&mut self, y: V::Components, finite: bool, strata: &mut Strata<V>) {
+        self.seen += 1;
+        if finite {
+            self.finite += 1;
+            if self.finite == 1 {
+                self.stratum = Stratum::new(y);
+            } else {
+                self.stratum.add(y);
+            }
+        }
+        if self.seen == self.per_stratum {
+            self.finish(strata);
+        }
+    }
+
+    #[inline]
+    fn finish(&mut self, strata: &mut Strata<V>) {
+        let mean = (self.finite > 0).then(|| {
+            let scales = if self.finite == self.per_stratum {
+                self.scales
+            } else {
+                scales(self.finite)
+            };
+            strata.add(&self.stratum, self.finite, scales)
+        });
+        if self.per_stratum == 1 {
+            if let (Some(a), Some(b)) = (self.before, mean) {
+                let d = |k: usize| b.as_ref()[k] - a.as_ref()[k];
+                strata.add_covariance(|k, l| 0.5 * d(k) * d(l));
+            }
+            self.in_row += 1;
+            self.before = mean;
+            if self.in_row == self.row {
+                self.in_row = 0;
+                self.before = None;
+            }
+        }
+        self.seen = 0;
+        self.finite = 0;
+    }
+}
