@@ -26,7 +26,7 @@ pub fn foot() {
     println!("{}", "─".repeat(90));
     println!("13.4998(12) means 13.4998 ± 0.0012, one standard error.");
     println!("~  With the five ξ as the slide prints them the result is ours: 12.15, 13.23 and");
-    println!("   14.2807. Behind the slide stand digits of ξ, or of the table, that it rounds.");
+    println!("   14.2807. No digits behind the printed ones give 12.16 and 13.24 both.");
 }
 
 /// A value that no chance enters.
