@@ -99,7 +99,8 @@ impl Linear {
     ) -> Result<Self, LinearError> {
         let width = end - start;
         let inverse_width = 1.0 / width;
-        if !(width > 0.0 && width.is_finite() && inverse_width.is_finite()) {
+        // No density is above 2/width.
+        if !(width > 0.0 && width.is_finite() && (2.0 * inverse_width).is_finite()) {
             return Err(LinearError::Range(start, end));
         }
         let largest = start_weight.max(end_weight);
@@ -144,8 +145,9 @@ impl Pdf for Linear {
     fn density(&self, x: &f64) -> f64 {
         if *x >= self.start && *x <= self.end {
             let [a, b] = self.weights;
-            let line = a * (self.end - x) + b * (x - self.start);
-            line * self.inverse_width * self.inverse_width
+            // Shares of the width, which do not overflow.
+            let [before, after] = [self.end - x, x - self.start].map(|d| d * self.inverse_width);
+            (a * before + b * after) * self.inverse_width
         } else {
             0.0
         }

@@ -146,8 +146,7 @@ impl PiecewiseLinear1D {
     #[inline]
     fn shares(&self, index: usize) -> (f64, f64) {
         let [a, b] = [self.densities[index], self.densities[index + 1]];
-        let inverse = 1.0 / (a + b);
-        (a * inverse, b * inverse)
+        (a / (a + b), b / (a + b))
     }
 }
 
