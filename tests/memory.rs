@@ -49,3 +49,23 @@ fn an_integrand_that_allocates_is_noticed() {
     });
     assert!(info.count_total > 10_000, "{info:?}");
 }
+
+/// On threads, what a block contributes waits for those before it, and no
+/// longer: at most a few wait at a time.
+#[cfg(feature = "parallel")]
+#[test]
+fn memory_does_not_grow_on_threads() {
+    let of = |samples| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build();
+        let pool = pool.unwrap();
+        pool.install(|| {
+            measure(|| {
+                let estimator = Importance::new(|[x, y]: [f64; 2]| x * y, UnitCube::<2>);
+                let mut integrator = MonteCarlo::new(estimator, Independent::new(1));
+                run(&mut integrator, &Threads, &Stop::samples(samples)).unwrap();
+            })
+        })
+    };
+    let (few, many) = (of(100_000), of(10_000_000));
+    assert!(many.bytes_max < few.bytes_max + 100_000, "{few:?} {many:?}");
+}

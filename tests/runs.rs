@@ -55,6 +55,31 @@ fn any_number_of_threads_gives_the_same_bits() {
     }
 }
 
+#[cfg(feature = "parallel")]
+#[test]
+fn the_first_error_is_the_same_on_threads() {
+    let f = |[x, y]: [f64; 2]| if x > 0.9999 { Err(x) } else { Ok(y) };
+    let failing = |threads| {
+        on_threads(threads, || {
+            let estimator = TryImportance::new(f, UnitCube::<2>);
+            let mut integrator = MonteCarlo::new(estimator, Independent::new(7));
+            let Err(RunError::Sample { error, partial }) =
+                run(&mut integrator, &Threads, &Stop::samples(1_000_000))
+            else {
+                panic!("an error went through");
+            };
+            (
+                error.sample,
+                error.cause,
+                error.unit,
+                bits(&*partial.unwrap()),
+            )
+        })
+    };
+    let one = failing(1);
+    assert_eq!((failing(2), failing(3)), (one.clone(), one));
+}
+
 /// The negative control of the test above: another seed has other bits.
 #[test]
 fn another_seed_gives_other_bits() {
@@ -138,6 +163,12 @@ fn a_tolerance_can_be_for_one_component() {
     let each = run(&mut plain(both), &Serial, &stop(Measure::Each)).unwrap();
     assert!(first.answer.samples() < second.answer.samples());
     assert_eq!(bits(&each.answer), bits(&second.answer));
+    // √2·0.29/√n against 10.5: met by the first pass.
+    let norm = run(&mut plain(both), &Serial, &stop(Measure::Norm)).unwrap();
+    assert_eq!(
+        (norm.reason, norm.answer.samples()),
+        (Reason::Tolerance, 1_024)
+    );
     assert!(matches!(
         run(&mut plain(both), &Serial, &stop(Measure::Component(2))),
         Err(RunError::Stop(StopError::Tolerance(_)))
@@ -390,16 +421,24 @@ fn a_panic_passes_through_and_leaves_the_integrator_as_it_was() {
 #[cfg(feature = "parallel")]
 #[test]
 fn a_panic_on_a_thread_passes_through() {
+    let calls = AtomicU64::new(0);
     let f = |[x, y]: [f64; 2]| {
-        assert!(x < 0.999, "the integrand panics");
-        y
+        let call = calls.fetch_add(1, Ordering::Relaxed);
+        assert!(call != 500_000, "the integrand panics");
+        if call > 500_000 {
+            std::thread::sleep(Duration::from_micros(10));
+        }
+        x + y
     };
-    let panicking = catch_unwind(|| {
+    let panicking = catch_unwind(AssertUnwindSafe(|| {
         on_threads(2, || {
-            run(&mut plain(f), &Threads, &Stop::samples(1_000_000)).map(|_| ())
+            run(&mut plain(f), &Threads, &Stop::samples(10_000_000)).map(|_| ())
         })
-    });
+    }));
     assert!(panicking.is_err());
+    // The other thread ends with the block it is at, not with the pass, which
+    // has some 100,000 samples more.
+    assert!(calls.load(Ordering::Relaxed) < 525_000);
 }
 
 #[test]

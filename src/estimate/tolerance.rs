@@ -25,6 +25,10 @@ use crate::value::{Components, Value};
 ///
 /// # Notes
 ///
+/// 0 ± 0 meets no relative tolerance: samples that are all zero may only have
+/// missed where the integrand is not. An integrand that is zero everywhere needs
+/// an absolute tolerance or a budget to come to an end.
+///
 /// A run that ends as soon as its error bar is small enough ends a little too
 /// often when the bar happens to be too small: its intervals cover less than
 /// they say, the more so the fewer samples they take.
@@ -163,7 +167,10 @@ impl Tolerance {
             estimate.standard_error.components(),
         );
         let (mean, error) = (mean.as_ref(), error.as_ref());
-        let small = |error: f64, size: f64| error <= self.absolute.max(self.relative * size);
+        let small = |error: f64, size: f64| {
+            let relative = size > 0.0 && error <= self.relative * size;
+            relative || (self.absolute > 0.0 && error <= self.absolute)
+        };
         let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         match self.measure {
             Measure::Each => (0..V::Components::COUNT).all(|k| small(error[k], mean[k].abs())),
@@ -191,6 +198,17 @@ mod tests {
         let norm = Tolerance::relative(0.15).unwrap().of(Measure::Norm);
         assert!(norm.is_met_by(&e));
         assert!(Tolerance::either(1.0, 0.1).unwrap().is_met_by(&e));
+    }
+
+    #[test]
+    fn zero_is_not_relatively_known() {
+        let m: Moments<f64> = [0.0, 0.0].into_iter().collect();
+        let e = Estimate::independent(&m).unwrap();
+        assert!(!Tolerance::relative(0.5).unwrap().is_met_by(&e));
+        assert!(Tolerance::either(1e-9, 0.5).unwrap().is_met_by(&e));
+        let m: Moments<f64> = [3.0, 3.0].into_iter().collect();
+        let e = Estimate::independent(&m).unwrap();
+        assert!(Tolerance::relative(1e-9).unwrap().is_met_by(&e));
     }
 
     #[test]

@@ -16,8 +16,8 @@ use crate::value::Value;
 /// Carlo estimator (b − a) f(x); with p ∝ f it has no variance at all. Its
 /// variance is infinite where f²/p cannot be integrated.
 ///
-/// A density that is not positive at a point it sampled gives NaN, which the
-/// integrators refuse.
+/// A density that is not positive and finite at a point it sampled gives NaN,
+/// which the integrators refuse.
 ///
 /// # Example
 ///
@@ -63,10 +63,12 @@ impl<F, P: Pdf> Importance<F, P> {
     }
 }
 
-/// value/density, NaN where the density is not positive.
+/// value/density, NaN where the density is not positive and finite.
 #[inline]
 fn weigh<V: Value>(value: V, density: f64) -> V::Wide {
-    if density > 0.0 {
+    // Both bounds in one comparison: as integers, the floats from the smallest
+    // positive one to the largest are 1 ..= MAX, and all others lie above.
+    if density.to_bits().wrapping_sub(1) < f64::MAX.to_bits() {
         value.over(density)
     } else {
         not_a_density(value)
@@ -75,6 +77,7 @@ fn weigh<V: Value>(value: V, density: f64) -> V::Wide {
 
 /// Out of line, so that the test above is a branch that is never taken.
 #[cold]
+#[inline(never)]
 fn not_a_density<V: Value>(value: V) -> V::Wide {
     value.over(f64::NAN)
 }
@@ -131,5 +134,29 @@ impl<P: Pdf, V: Value, E, F: Fn(P::Point) -> Result<V, E>> TryEstimator for TryI
 
     fn locate<C: Coordinates>(&self, u: &mut C) -> Location {
         locate(&self.pdf, u)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::weigh;
+
+    #[test]
+    fn only_positive_finite_densities_weigh() {
+        for p in [5e-324, f64::MIN_POSITIVE, 1.0, f64::MAX] {
+            assert_eq!(weigh(p, p), 1.0);
+        }
+        let wrong = [
+            0.0,
+            -0.0,
+            -1.0,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            f64::NAN,
+            -f64::NAN,
+        ];
+        for p in wrong {
+            assert!(weigh(1.0_f64, p).is_nan(), "{p}");
+        }
     }
 }

@@ -111,6 +111,17 @@ mod threads {
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub struct Threads;
 
+    /// Ends the pass on all threads if the block of one panics.
+    struct EndOnPanic<'a>(&'a AtomicBool);
+
+    impl Drop for EndOnPanic<'_> {
+        fn drop(&mut self) {
+            if std::thread::panicking() {
+                self.0.store(true, Ordering::Relaxed);
+            }
+        }
+    }
+
     /// Blocks that were finished before one that comes before them.
     struct Arrivals<P> {
         prefix: Prefix<P>,
@@ -138,6 +149,7 @@ mod threads {
                 early: BTreeMap::new(),
             });
             let work = || {
+                let _guard = EndOnPanic(&ended);
                 while !ended.load(Ordering::Relaxed) && go_on() {
                     let index = next.fetch_add(1, Ordering::Relaxed);
                     if index >= blocks {
