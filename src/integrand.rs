@@ -1,6 +1,6 @@
 //! WHAT: the function under the integral.
 
-use core::cell::RefCell;
+use core::cell::Cell;
 
 use thread_local::ThreadLocal;
 
@@ -43,13 +43,11 @@ impl<X, V: Value, F: Fn(X) -> V> Integrand<X> for F {
     }
 }
 
-/// A function that needs working memory, made once on each thread.
+/// A function that needs working memory, made once on each thread that calls
+/// it (and once more for a call that is made while another one on the same
+/// thread is under way).
 ///
 /// What the memory holds between calls must not change the result.
-///
-/// # Panics
-///
-/// If `f` calls itself: its memory is then in use.
 ///
 /// # Example
 ///
@@ -71,9 +69,39 @@ pub fn with_scratch<S: Send, X, R>(
     make: impl Fn() -> S,
     f: impl Fn(&mut S, X) -> R,
 ) -> impl Fn(X) -> R {
-    let scratch = ThreadLocal::new();
+    let idle = ThreadLocal::new();
     move |x| {
-        let mine = scratch.get_or(|| RefCell::new(make()));
-        f(&mut mine.borrow_mut(), x)
+        // Taken out while in use: whoever waits inside f for other threads may
+        // be given another call of f meanwhile.
+        let mine: &Cell<Option<S>> = idle.get_or(|| Cell::new(None));
+        let mut scratch = mine.take().unwrap_or_else(&make);
+        let result = f(&mut scratch, x);
+        mine.set(Some(scratch));
+        result
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_scratch;
+
+    #[test]
+    fn a_call_within_a_call_has_memory_of_its_own() {
+        let add = with_scratch(
+            || [0],
+            |memory: &mut [u32; 1], n: u32| {
+                memory[0] = n;
+                memory[0]
+            },
+        );
+        let nested = with_scratch(
+            || [0],
+            |memory: &mut [u32; 1], n: u32| {
+                memory[0] = n;
+                let inner = add(n + 1);
+                memory[0] + inner
+            },
+        );
+        assert_eq!(nested(3), 7);
     }
 }

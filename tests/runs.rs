@@ -460,6 +460,26 @@ fn scratch_is_made_once_a_thread() {
     assert!((1..=64).contains(&made.load(Ordering::Relaxed)));
 }
 
+/// A thread that waits inside an integrand takes up other work, of the same
+/// integrand too; its memory is then in use.
+#[cfg(feature = "parallel")]
+#[test]
+fn scratch_stands_nested_parallelism() {
+    let f = with_scratch(
+        || vec![0.0; 2],
+        |scratch: &mut Vec<f64>, x: [f64; 2]| {
+            scratch.copy_from_slice(&x);
+            let wait = || std::thread::sleep(Duration::from_micros(20));
+            rayon::join(wait, wait);
+            scratch.iter().sum::<f64>()
+        },
+    );
+    let stop = Stop::samples(4_000);
+    let e = on_threads(4, || integrate(&f, UnitCube::<2>, &stop).unwrap().answer);
+    let direct = integrate(|[x, y]| x + y, UnitCube::<2>, &stop).unwrap();
+    assert_eq!(bits(&e), bits(&direct.answer));
+}
+
 #[test]
 fn progress_is_reported_after_each_pass() {
     let mut spent = Vec::new();
@@ -495,6 +515,53 @@ fn one_sample_a_stratum_says_where_its_error_is_from() {
         .unwrap()
         .answer;
     assert_eq!(e.standard_error, f64::INFINITY);
+}
+
+/// Blocks end where they like; neighbours are neighbours all the same.
+#[test]
+fn pairs_of_strata_do_not_depend_on_the_blocks() {
+    // All the variance lies between the last two strata.
+    let step = |count: u64| {
+        let last = (count - 1) as f64 / count as f64;
+        let f = move |[x]: [f64; 1]| f64::from(x >= last);
+        let grid = Stratified::new([count], 1, 3).unwrap();
+        let mut integrator = StratifiedMonteCarlo::new(Importance::new(f, UnitCube), grid);
+        let finished = run(&mut integrator, &Serial, &Stop::samples(count));
+        finished.unwrap().answer
+    };
+    for count in [2, 64, 65, 128, 129, 1_025, 4_097, 5_000] {
+        // ½ of one pair, over the mean of count − 1 of them.
+        let n = count as f64;
+        let variance: f64 = 0.5 / (n - 1.0) / n;
+        let e = step(count);
+        approx::assert_relative_eq!(e.standard_error, variance.sqrt(), max_relative = 1e-12);
+    }
+}
+
+#[test]
+fn a_failure_leaves_the_sweeps_before_it() {
+    let calls = Cell::new(0);
+    let f = |[x, y]: [f64; 2]| {
+        calls.set(calls.get() + 1);
+        if calls.get() == 190_000 {
+            f64::NAN
+        } else {
+            x + y
+        }
+    };
+    let grid = Stratified::new([10, 10], 2, 3).unwrap();
+    let mut integrator = StratifiedMonteCarlo::new(Importance::new(f, UnitCube::<2>), grid);
+    let failing = run(&mut integrator, &Serial, &Stop::samples(400_000));
+    let Err(RunError::Sample { error, partial }) = failing else {
+        panic!("a NaN went through");
+    };
+    // All but the block that failed.
+    let kept = partial.unwrap().samples();
+    assert!(error.sample == 189_999 && kept % 200 == 0, "{kept}");
+    assert!((185_000..190_000).contains(&kept), "{kept}");
+    // Refined, it goes on with the next sweep.
+    let finished = run(&mut integrator, &Serial, &Stop::samples(400_000)).unwrap();
+    assert!(finished.answer.samples() > 390_000);
 }
 
 /// The sum over strata that the lecture writes, by its own definition.

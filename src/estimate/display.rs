@@ -1,31 +1,47 @@
 //! 13.4998(12): a number and its standard error in one.
 
-use core::fmt;
+use core::fmt::{self, Write};
 
 use super::{Estimate, Ratio};
 use crate::value::Value;
 
 impl<V: Value> fmt::Display for Estimate<V> {
-    /// One number with its error, or `[…, …]` by component.
+    /// One number with its error, or `[…, …]` by component; filled to a width
+    /// if one is given. The digits follow from the error, whatever precision is
+    /// asked for.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (mean, error) = (self.mean.components(), self.standard_error.components());
-        let (mean, error) = (mean.as_ref(), error.as_ref());
-        if let ([mean], [error]) = (mean, error) {
-            return f.pad(&parenthesised(*mean, *error));
+        let numbers = mean.as_ref().iter().zip(error.as_ref());
+        let all: Vec<String> = numbers.map(|(&m, &e)| parenthesised(m, e)).collect();
+        if let [one] = &all[..] {
+            return filled(f, one);
         }
-        let all: Vec<String> = mean
-            .iter()
-            .zip(error)
-            .map(|(&mean, &error)| parenthesised(mean, error))
-            .collect();
-        f.pad(&format!("[{}]", all.join(", ")))
+        filled(f, &format!("[{}]", all.join(", ")))
     }
 }
 
 impl fmt::Display for Ratio {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(&parenthesised(self.value, self.standard_error))
+        filled(f, &parenthesised(self.value, self.standard_error))
     }
+}
+
+/// `Formatter::pad` without its precision, which would cut digits off.
+fn filled(f: &mut fmt::Formatter<'_>, text: &str) -> fmt::Result {
+    let missing = f.width().unwrap_or(0).saturating_sub(text.chars().count());
+    let before = match f.align() {
+        Some(fmt::Alignment::Right) => missing,
+        Some(fmt::Alignment::Center) => missing / 2,
+        Some(fmt::Alignment::Left) | None => 0,
+    };
+    for _ in 0..before {
+        f.write_char(f.fill())?;
+    }
+    f.write_str(text)?;
+    for _ in before..missing {
+        f.write_char(f.fill())?;
+    }
+    Ok(())
 }
 
 /// The shorthand of metrology (and of Lepage's gvar): two digits of the error,
@@ -34,50 +50,76 @@ impl fmt::Display for Ratio {
 /// An error with digits on both sides of the point keeps the point: 14.2(2.3).
 /// Outside 10⁻⁵ ≤ max(|mean|, error) < 10⁷ both share a power of ten.
 fn parenthesised(mean: f64, error: f64) -> String {
-    let size = mean.abs().max(error);
-    if !error.is_finite() || !mean.is_finite() {
-        return format!("{mean}(∞)");
+    if error.is_nan() {
+        return format!("{mean:?}(?)");
     }
-    if size != 0.0 && !(1e-5..1e7).contains(&size) {
-        let exponent = size.log10().floor() as i32;
-        // Two steps: 10⁻³²⁰ is not a normal number, its inverse none at all.
-        let half = exponent / 2;
-        let scale = |x: f64| x / 10_f64.powi(half) / 10_f64.powi(exponent - half);
-        return format!("{}e{exponent}", parenthesised(scale(mean), scale(error)));
+    if !error.is_finite() {
+        return format!("{}(∞)", shortest(mean));
     }
-    if error == 0.0 {
-        return format!("{mean}(0)");
-    }
-    // The exponent after rounding to two digits: 0.0999 is 1.0e-1.
-    let exponent = format!("{error:.1e}")
-        .split_once('e')
-        .and_then(|(_, e)| e.parse::<i32>().ok())
-        .unwrap_or(0);
-    let decimals = usize::try_from(1 - exponent).unwrap_or(0).min(17);
-    if exponent < 0 {
-        let last = error * 10_f64.powi(decimals as i32);
-        format!("{mean:.decimals$}({last:.0})")
-    } else {
-        // From 100 on, the last of the two digits is not the last of the number.
-        let unit = 10_f64.powi(exponent - 1);
-        let rounded = |x: f64| {
-            if exponent < 2 {
-                x
-            } else {
-                (x / unit).round() * unit
-            }
+    // Two digits; 9.96 has become 10 here.
+    let (digits, power) = decimal(error, 1);
+    let rounded = digits * 10_f64.powi(power);
+    let size = mean.abs().max(rounded);
+    if error == 0.0 || error < 1e-16 * size {
+        let error = if error == 0.0 {
+            "0".into()
+        } else {
+            format!("{error:.0e}")
         };
-        format!(
-            "{:.decimals$}({:.decimals$})",
-            rounded(mean),
-            rounded(error)
-        )
+        return format!("{}({error})", shortest(mean));
+    }
+    if (1e-5..1e7).contains(&size) {
+        return fixed(mean, rounded, power);
+    }
+    // Each is scaled by its own power of ten: the mantissas stay what they are.
+    let (mantissa, exponent) = decimal(mean, 17);
+    let top = if mean != 0.0 {
+        exponent.max(power)
+    } else {
+        power
+    };
+    let mean = mantissa * 10_f64.powi(exponent - top);
+    let error = digits * 10_f64.powi(power - top);
+    format!("{}e{top}", fixed(mean, error, power - top))
+}
+
+/// With as many decimals as show two digits of an error of this power of ten.
+fn fixed(mean: f64, error: f64, power: i32) -> String {
+    let decimals = usize::try_from(1 - power).unwrap_or(0);
+    if power < 0 {
+        let last = error * 10_f64.powi(1 - power);
+        return format!("{mean:.decimals$}({last:.0})");
+    }
+    // From 100 on, the last of the two digits is not the last of the number.
+    let unit = 10_f64.powi((power - 1).max(0));
+    let mean = if power < 2 {
+        mean
+    } else {
+        (mean / unit).round() * unit
+    };
+    format!("{mean:.decimals$}({error:.decimals$})")
+}
+
+/// Mantissa and power of ten, with this many digits after the point.
+fn decimal(x: f64, digits: usize) -> (f64, i32) {
+    let text = format!("{x:.digits$e}");
+    text.split_once('e')
+        .and_then(|(mantissa, power)| Some((mantissa.parse().ok()?, power.parse().ok()?)))
+        .unwrap_or((x, 0))
+}
+
+/// All digits of a number, with a power of ten where it is very large or small.
+fn shortest(x: f64) -> String {
+    if x == 0.0 || (1e-5..1e7).contains(&x.abs()) {
+        format!("{x}")
+    } else {
+        format!("{x:e}")
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::parenthesised;
+    use super::{Ratio, parenthesised};
 
     #[test]
     fn reads_as_in_the_literature() {
@@ -88,16 +130,32 @@ mod tests {
             (14.0, 23.0, "14(23)"),
             (1350.0, 120.0, "1350(120)"),
             (184_834.0, 4_886.0, "184800(4900)"),
+            (-3.0, 99.6, "-0(100)"),
             (0.0, 0.0, "0(0)"),
             (13.5, 0.0, "13.5(0)"),
             (13.5, f64::INFINITY, "13.5(∞)"),
+            (4.9e200, f64::INFINITY, "4.9e200(∞)"),
             (0.5, 0.0999, "0.50(10)"),
+            (1.0, 0.996, "1.0(1.0)"),
             (-2.5e-9, 1.2e-11, "-2.500(12)e-9"),
             (1.234_567e9, 1.2e6, "1.2346(12)e9"),
+            (0.0, 2.5e-7, "0.0(2.5)e-7"),
+            (1e300, 1e-300, "1e300(1e-300)"),
+            (1.0, 2e-20, "1(2e-20)"),
+            (1e-320, 0.0, "1e-320(0)"),
         ] {
             assert_eq!(parenthesised(mean, error), text);
         }
-        // A subnormal number has few digits, but its power of ten is right.
-        assert!(parenthesised(1e-320, 0.0).ends_with("(0)e-321"));
+    }
+
+    #[test]
+    fn a_width_fills_and_a_precision_cuts_nothing() {
+        let ratio = Ratio {
+            value: 13.4998,
+            standard_error: 0.0012,
+        };
+        assert_eq!(format!("{ratio:.2}"), "13.4998(12)");
+        assert_eq!(format!("{ratio:>13}|"), "  13.4998(12)|");
+        assert_eq!(format!("{ratio:*^13.1}|"), "*13.4998(12)*|");
     }
 }

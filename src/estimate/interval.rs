@@ -2,9 +2,8 @@
 
 use core::fmt;
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
-
 use super::Estimate;
+use super::student::student_quantile;
 use crate::value::Value;
 
 /// A range that covers the truth with a stated probability, by component.
@@ -63,12 +62,8 @@ impl<V: Value> Estimate<V> {
         if !(level > 0.0 && level < 1.0) {
             return Err(LevelError::Level(level));
         }
-        let t = match StudentsT::new(0.0, 1.0, self.degrees_of_freedom) {
-            // The lower tail keeps the digits of levels close to 1.
-            Ok(student) => -student.inverse_cdf(0.5 * (1.0 - level)),
-            // Without a degree of freedom there is no interval to give.
-            Err(_) => f64::INFINITY,
-        };
+        // The tail keeps the digits of levels close to 1.
+        let t = student_quantile(self.degrees_of_freedom, 0.5 * (1.0 - level));
         let mean = self.mean.components();
         let error = self.standard_error.components();
         let end = |side: f64| {

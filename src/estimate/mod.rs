@@ -4,6 +4,7 @@ mod display;
 mod interval;
 mod moments;
 mod ratio;
+mod student;
 mod sum;
 mod sums;
 mod tolerance;
@@ -94,13 +95,14 @@ impl<V: Value> Estimate<V> {
         if moments.count() == 0 {
             return None;
         }
-        let covariance = covariance.unwrap_or_else(|| {
-            let mut unknown = V::Components::ZERO_MATRIX;
-            for row in unknown.as_mut() {
-                row.as_mut().fill(f64::INFINITY);
+        let known = covariance.is_some();
+        let mut covariance = covariance.unwrap_or(V::Components::ZERO_MATRIX);
+        for c in covariance.as_mut().iter_mut().flat_map(|row| row.as_mut()) {
+            // NaN is what squares that overflow leave: ∞ − ∞.
+            if !known || c.is_nan() {
+                *c = f64::INFINITY;
             }
-            unknown
-        });
+        }
         let mut standard_error = V::Components::ZERO;
         for (k, s) in standard_error.as_mut().iter_mut().enumerate() {
             *s = covariance.as_ref()[k].as_ref()[k].sqrt();

@@ -68,12 +68,14 @@ impl<V: Value> Moments<V> {
     }
 
     /// Adds a slice of values: faster than one by one, the division and the
-    /// move to the new mean happen once a slice.
+    /// move to the new mean happen once for many.
     #[inline]
-    pub fn push_all(&mut self, mut values: &[V]) {
-        while let Some(index) = self.push_while_finite(values) {
-            self.non_finite += 1;
-            values = &values[index + 1..];
+    pub fn push_all(&mut self, values: &[V]) {
+        for mut slice in values.chunks(128) {
+            while let Some(index) = self.push_while_finite(slice) {
+                self.non_finite += 1;
+                slice = &slice[index + 1..];
+            }
         }
     }
 
@@ -82,27 +84,38 @@ impl<V: Value> Moments<V> {
     #[inline]
     pub(crate) fn push_while_finite(&mut self, values: &[V]) -> Option<usize> {
         let first = values.first()?;
-        let origin = if self.count == 0 {
-            first.components()
-        } else {
-            self.mean
-        };
+        let origin = self.origin(first);
         let sums = Sums::of(values, origin);
         if sums.are_finite() {
             self.absorb(values.len() as u64, origin, &sums);
             return None;
         }
-        self.push_until_non_finite(values, origin)
+        self.push_each_while_finite(values)
     }
 
+    /// The slow way, for a slice in which something is not finite, or whose sum
+    /// overflows.
     #[cold]
-    fn push_until_non_finite(&mut self, values: &[V], origin: V::Components) -> Option<usize> {
-        let index = values
-            .iter()
-            .position(|v| !Sums::of(&[*v], origin).are_finite())
-            .unwrap_or(values.len() - 1);
-        self.push_while_finite(&values[..index]);
-        Some(index)
+    fn push_each_while_finite(&mut self, values: &[V]) -> Option<usize> {
+        values.iter().position(|value| {
+            let origin = self.origin(value);
+            let sums = Sums::of(&[*value], origin);
+            let finite = sums.are_finite();
+            if finite {
+                self.absorb(1, origin, &sums);
+            }
+            !finite
+        })
+    }
+
+    /// The mean so far, or a value to be the first.
+    #[inline]
+    fn origin(&self, first: &V) -> V::Components {
+        if self.count == 0 {
+            first.components()
+        } else {
+            self.mean
+        }
     }
 
     /// Adds the sums of `added` values about `origin`, which is the mean so
@@ -231,13 +244,11 @@ impl<V: Value> Moments<V> {
     pub fn effective_sample_size(&self) -> V::Wide {
         let n = self.count as f64;
         from_fn::<V>(|k| {
-            let mean = self.mean.as_ref()[k];
-            let square = self.second.as_ref()[k].as_ref()[k] + n * mean * mean;
-            if square > 0.0 {
-                n * mean * (n * mean / square)
-            } else {
-                0.0
-            }
+            let variance = self.second.as_ref()[k].as_ref()[k] / n;
+            // n/(1 + (σ/x̄)²), which squares nothing that may overflow.
+            let spread = variance.max(0.0).sqrt() / self.mean.as_ref()[k];
+            let size = n / (1.0 + spread * spread);
+            if size.is_nan() { 0.0 } else { size }
         })
     }
 
@@ -396,6 +407,31 @@ mod tests {
     fn effective_sample_size_counts_equal_weights() {
         let m: Moments<f64> = [1.0, 1.0, 0.0, 0.0].into_iter().collect();
         assert_relative_eq!(m.effective_sample_size(), 2.0, max_relative = 1e-15);
+    }
+
+    /// Values whose sum overflows are values all the same.
+    #[test]
+    fn no_finite_value_is_blamed_for_its_neighbours() {
+        let mut m = Moments::<f64>::new();
+        m.push_all(&[1.0]);
+        m.push_all(&[1e307; 127]);
+        assert_eq!((m.count(), m.non_finite()), (128, 0));
+        assert_relative_eq!(m.mean(), 1e307 * (127.0 / 128.0), max_relative = 1e-12);
+        let mut many = vec![f64::NAN; 100_000];
+        many.push(1.0);
+        let mut m = Moments::<f64>::new();
+        m.push_all(&many);
+        assert_eq!((m.count(), m.non_finite()), (1, 100_000));
+    }
+
+    #[test]
+    fn effective_sample_size_knows_no_scale() {
+        for scale in [1e-170, 1e-10, 1.0, 1e155, 1e300] {
+            let m: Moments<f64> = [scale; 100].into_iter().collect();
+            assert_eq!(m.effective_sample_size(), 100.0, "{scale}");
+        }
+        let none: Moments<f64> = [0.0; 100].into_iter().collect();
+        assert_eq!(none.effective_sample_size(), 0.0);
     }
 
     /// A first slice whose mean is far from the rest costs digits in

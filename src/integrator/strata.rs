@@ -16,8 +16,21 @@ pub(super) struct Strata<V: Value> {
     covariances: <V::Components as Components>::Matrix,
     squares: V::Components,
     terms: u64,
+    /// Of strata of one sample each: the means at either end, for the pair with
+    /// what comes before and after.
+    ends: Option<Ends<V::Components>>,
     /// Of all primary estimates, pooled.
     pub(super) moments: Moments<V>,
+}
+
+/// The first and the last of a number of strata in sequence; no mean where no
+/// value was finite.
+#[derive(Clone, Copy, Debug)]
+struct Ends<C> {
+    first: Option<C>,
+    /// Whether the first begins a row: it has no neighbour before it.
+    begins_row: bool,
+    last: Option<C>,
 }
 
 impl<V: Value> Default for Strata<V> {
@@ -28,6 +41,7 @@ impl<V: Value> Default for Strata<V> {
             covariances: V::Components::ZERO_MATRIX,
             squares: V::Components::ZERO,
             terms: 0,
+            ends: None,
             moments: Moments::new(),
         }
     }
@@ -46,6 +60,9 @@ impl<V: Value> Merge for Strata<V> {
         self.count += right.count;
         self.terms += right.terms;
         self.moments.merge(right.moments);
+        if let Some(ends) = right.ends {
+            self.join(ends);
+        }
     }
 }
 
@@ -61,6 +78,24 @@ impl<V: Value> Strata<V> {
             self.squares.as_mut()[k] += variance * variance;
         }
         self.terms += 1;
+    }
+
+    /// Adds the pair of neighbours where strata of one sample each meet those
+    /// that follow.
+    #[inline]
+    fn join(&mut self, right: Ends<V::Components>) {
+        let Some(left) = self.ends else {
+            self.ends = Some(right);
+            return;
+        };
+        if let (false, Some(a), Some(b)) = (right.begins_row, left.last, right.first) {
+            let d = |k: usize| b.as_ref()[k] - a.as_ref()[k];
+            self.add_covariance(|k, l| 0.5 * d(k) * d(l));
+        }
+        self.ends = Some(Ends {
+            last: right.last,
+            ..left
+        });
     }
 
     /// Adds a stratum of n samples, given (1/n, 1/n(n − 1)), and returns its
@@ -181,8 +216,6 @@ pub(super) struct Walk<V: Value> {
     seen: u64,
     finite: u64,
     stratum: Stratum<V>,
-    /// The mean of the stratum before, in the same row and block.
-    before: Option<V::Components>,
 }
 
 impl<V: Value> Walk<V> {
@@ -196,7 +229,6 @@ impl<V: Value> Walk<V> {
             seen: 0,
             finite: 0,
             stratum: Stratum::new(V::Components::ZERO),
-            before: None,
         }
     }
 
@@ -255,15 +287,14 @@ impl<V: Value> Walk<V> {
             strata.add(&self.stratum, self.finite, scales)
         });
         if self.per_stratum == 1 {
-            if let (Some(a), Some(b)) = (self.before, mean) {
-                let d = |k: usize| b.as_ref()[k] - a.as_ref()[k];
-                strata.add_covariance(|k, l| 0.5 * d(k) * d(l));
-            }
+            strata.join(Ends {
+                first: mean,
+                begins_row: self.in_row == 0,
+                last: mean,
+            });
             self.in_row += 1;
-            self.before = mean;
             if self.in_row == self.row {
                 self.in_row = 0;
-                self.before = None;
             }
         }
         self.seen = 0;

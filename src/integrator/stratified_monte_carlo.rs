@@ -30,11 +30,14 @@ use crate::value::{Components, Value};
 /// that of neighbouring strata along the fastest axis,
 /// ½ (yₘ₊₁ − yₘ)², and the answer says so:
 /// [`ErrorSource::NeighbouringStrata`]. It is too large by what the integrand
-/// changes from one stratum to the next; two samples a stratum give an honest
-/// error bar.
+/// changes from one stratum to the next. With two samples a stratum the variance
+/// is unbiased; where few of many strata carry all of it, as along a jump, that
+/// estimate is itself uncertain, and the degrees of freedom say so.
 ///
 /// A run takes whole sweeps of the grid; a larger budget than one sweep buys
-/// more of them, and their error falls like 1/√sweeps.
+/// more of them, and their error falls like 1/√sweeps. A limit of time is
+/// noticed between strata, so a stratum should not have samples for minutes. A
+/// sample that fails costs its own sweep (or block of short sweeps).
 ///
 /// # Example
 ///
@@ -90,7 +93,9 @@ impl<const D: usize, E: TryEstimator, J: Iid> StratifiedMonteCarlo<D, E, J> {
     }
 }
 
-/// Sweeps are bundled into passes of at most about this many samples.
+/// Sweeps of at most this many samples are never cut: a block is one of them or
+/// more, and a pass a number of blocks.
+const WHOLE: u64 = 1 << 12;
 const BUNDLE: u64 = 1 << 16;
 
 impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarlo<D, E, J> {
@@ -110,15 +115,16 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
     fn plan(&mut self, budget: u64) -> u64 {
         let (index, start) = self.next;
         let sweep = self.grid.len();
-        let mut samples = self.smallest_pass();
-        if samples > budget {
+        let rest = self.smallest_pass();
+        if rest > budget {
             return 0;
         }
-        if samples == sweep {
-            let growth = (self.next.1 / sweep / 2).max(1);
-            samples *= growth.min(budget / sweep).min((BUNDLE / sweep).max(1));
-        }
-        self.plan = Plan::new(index, start, samples, self.grid.per_stratum());
+        self.plan = if sweep <= WHOLE {
+            let growth = (start / sweep / 2).clamp(1, BUNDLE / sweep);
+            Plan::new(index, start, sweep * growth.min(budget / sweep), sweep)
+        } else {
+            Plan::new(index, start, rest, self.grid.per_stratum())
+        };
         self.plan.blocks()
     }
 
@@ -143,27 +149,37 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
             },
         )
         .err();
-        strata.moments = moments;
-        let ended = failure.is_some();
-        let partial = StratifiedPartial { strata, failure };
-        if ended {
-            ControlFlow::Break(partial)
-        } else {
-            ControlFlow::Continue(partial)
+        let taken = moments.count() + moments.non_finite();
+        if failure.is_some() {
+            // A sweep with a hole in it says nothing.
+            let strata = Strata::default();
+            return ControlFlow::Break(StratifiedPartial {
+                strata,
+                taken,
+                failure,
+            });
         }
+        strata.moments = moments;
+        ControlFlow::Continue(StratifiedPartial {
+            strata,
+            taken,
+            failure,
+        })
     }
 
     fn absorb(&mut self, pass: Self::Partial, blocks: u64) -> Result<(), Self::Error> {
-        self.spent += pass.strata.moments.count() + pass.strata.moments.non_finite();
+        self.spent += pass.taken;
         self.next = self.plan.after(blocks);
         let sweep = self.grid.len();
+        self.open.merge(pass.strata);
         if let Some(failure) = pass.failure {
-            // A sweep with a hole in it says nothing: go on with the next.
-            self.open = Strata::default();
+            let open = core::mem::take(&mut self.open);
+            if sweep <= WHOLE {
+                self.done.merge(open);
+            }
             self.next.1 = self.next.1.div_ceil(sweep).saturating_mul(sweep);
             return Err(failure.explain(&self.grid, &self.estimator));
         }
-        self.open.merge(pass.strata);
         if self.next.1.is_multiple_of(sweep) {
             self.done.merge(core::mem::take(&mut self.open));
         }
@@ -187,12 +203,15 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
 #[derive(Clone, Debug)]
 pub struct StratifiedPartial<V: Value, E> {
     strata: Strata<V>,
+    /// Samples, those of a block that failed included.
+    taken: u64,
     failure: Option<Failure<V, E>>,
 }
 
 impl<V: Value, E> Merge for StratifiedPartial<V, E> {
     fn merge(&mut self, right: Self) {
         self.strata.merge(right.strata);
+        self.taken += right.taken;
         self.failure = self.failure.take().or(right.failure);
     }
 }

@@ -125,9 +125,10 @@ impl<const D: usize> Stratified<D> {
             u32::try_from(D)
                 .ok()
                 .and_then(|d| n.checked_pow(d))
-                .is_some_and(|cells| cells <= strata)
+                .is_some_and(|cells| n <= 1 << 53 && cells <= strata)
         };
-        let mut count = (strata as f64).powf(1.0 / D as f64) as u64;
+        let root = (strata as f64).powf(1.0 / D as f64) as u64;
+        let mut count = root.min(1 << 53);
         // The root is good to a rounding error.
         while count > 0 && !fits(count) {
             count -= 1;
@@ -390,6 +391,18 @@ mod tests {
             points.next_point();
             assert!(points.next_1d() < 1.0, "{count}");
         }
+    }
+
+    #[test]
+    fn fills_what_the_budget_pays_for() {
+        for (budget, count) in [(1, 1), (7, 1), (8, 2), (26, 2), (27, 3), (1_000_000, 100)] {
+            let grid = Stratified::<3>::filling(budget, 1, 0).unwrap();
+            assert_eq!(grid.counts, [count; 3], "{budget}");
+        }
+        let finest = Stratified::<1>::filling(u64::MAX, 1, 0).unwrap();
+        assert_eq!(finest.counts, [1 << 53]);
+        assert!(Stratified::<2>::filling(1, 2, 0).is_err());
+        assert!(Stratified::<2>::filling(1, 0, 0).is_err());
     }
 
     #[test]
