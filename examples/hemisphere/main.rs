@@ -28,6 +28,10 @@ use estimand::quadrature::{Rule, tensor};
 /// The sun's radiance.
 const SUN: f64 = 500.0;
 
+/// φ of the sun in degrees, a few off the nearest directions of the grid of
+/// 16 × 16.
+const AZIMUTH: f64 = 54.0;
+
 /// A sky whose radiance rises towards the zenith, with a sun.
 #[derive(Clone, Copy)]
 struct Sky {
@@ -52,8 +56,7 @@ impl Sky {
 
     /// L(ω)
     fn radiance(&self, [x, y, z]: [f64; 3]) -> f64 {
-        // A few degrees off the nearest directions of the grid of 16 × 16.
-        let (sin_phi, cos_phi) = 54_f64.to_radians().sin_cos();
+        let (sin_phi, cos_phi) = AZIMUTH.to_radians().sin_cos();
         let (sin, cos) = self.zenith_angle.sin_cos();
         let from_sun = x * sin * cos_phi + y * sin * sin_phi + z * cos;
         let sun = if from_sun >= self.radius.cos() {
@@ -94,6 +97,30 @@ impl Sky {
         )?)
     }
 
+    /// What such a grid gives, as a sum over its circles: of the n directions at
+    /// cos θ = (j + ½)/n, those in the sun lie within an arc,
+    ///
+    /// ```text
+    /// cos Δφ = (cos α − cos θ cos θ₀)/(sin θ sin θ₀)
+    /// ```
+    ///
+    /// to either side of it.
+    fn on_circles(&self, n: u32) -> f64 {
+        let side = f64::from(n);
+        let step = 2.0 * PI / side;
+        let sky = 0.5 * self.horizon + self.rise * (1.0 / 3.0 - 1.0 / (12.0 * side * side));
+        let (sin, cos) = self.zenith_angle.sin_cos();
+        let hits = |z: f64| {
+            let cosine = (self.radius.cos() - z * cos) / ((1.0 - z * z).sqrt() * sin);
+            let arc = cosine.clamp(-1.0, 1.0).acos();
+            let [first, last] = [-arc, arc].map(|arc| (AZIMUTH.to_radians() + arc) / step - 0.5);
+            (last.floor() - first.ceil() + 1.0).min(side)
+        };
+        let heights = (0..n).map(|j| (f64::from(j) + 0.5) / side);
+        let sun: f64 = heights.map(|z| z * hits(z)).sum();
+        2.0 * PI * (sky + self.sun * sun / (side * side))
+    }
+
     /// By `sweeps` times one direction in each of `side`² strata of `pdf`.
     fn on_strata<P>(
         &self,
@@ -131,8 +158,9 @@ fn one_sun() -> Result<(), Box<dyn Error>> {
         "directions", "E", "error", "samples"
     );
     println!("{}", "─".repeat(84));
-    for side in [8, 16, SIDE] {
-        let fixed = sky.on_fixed_grid(side)?;
+    for side in [8_u32, 16, 256] {
+        let fixed = sky.on_fixed_grid(side.into())?;
+        assert!((fixed - sky.on_circles(side)).abs() < 1e-9, "{side}");
         let what = format!("fixed, {side} × {side}");
         println!(
             "{what:<46}{fixed:>14.5}{:>12.5}{:>12}",
@@ -172,7 +200,7 @@ fn one_sun() -> Result<(), Box<dyn Error>> {
     let [uniform, _, cosine, strata] = rows.map(|(_, e)| e.standard_error);
     assert!(strata < 0.5 * cosine && cosine < uniform);
     // The grid of 8 × 8 misses the sun: the sky is all that it sees.
-    assert!((sky.on_fixed_grid(8)? - Sky { sun: 0.0, ..sky }.irradiance()).abs() < 0.01);
+    assert_eq!(sky.on_circles(8), Sky { sun: 0.0, ..sky }.on_circles(8));
     Ok(())
 }
 
@@ -227,6 +255,8 @@ fn moving_sun() -> Result<Vec<Place>, Box<dyn Error>> {
         "{random:.3} with random ones, whose errors differ from pixel to pixel and average out."
     );
     for p in &places {
+        let circles = Sky::new(p.degrees).on_circles(SIDE as u32);
+        assert!((p.fixed - circles).abs() < 1e-9, "{}°", p.degrees);
         // Where few directions hit the sun, their own spread says little: the
         // binomial error, which strata can only lower.
         let hits = Sky::new(p.degrees).hit_probability() * p.random.samples() as f64;
