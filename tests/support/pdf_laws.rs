@@ -373,6 +373,35 @@ pub fn discrete<P: Pdf<Point = usize>>(name: &str, pdf: &P, probabilities: &[f64
     }
 }
 
+/// Fails if `invert` does not lead every index of positive probability back to
+/// itself.
+#[track_caller]
+pub fn discrete_invert<P>(name: &str, pdf: &P, probabilities: &[f64])
+where
+    P: Invert<Point = usize>,
+{
+    if let Err(fault) = check_discrete_invert(pdf, probabilities) {
+        panic!("{name}: {fault:?}");
+    }
+}
+
+/// The first index that `invert` does not lead back to itself.
+pub fn check_discrete_invert<P>(pdf: &P, probabilities: &[f64]) -> Result<(), Fault>
+where
+    P: Invert<Point = usize>,
+{
+    let occurs = |i: &usize| probabilities[*i] > 0.0;
+    for i in (0..probabilities.len()).filter(occurs) {
+        let u = pdf.invert(&i);
+        let back = pdf.sample(u).point;
+        if back != i {
+            let u = coordinates(u);
+            return Err(Fault::RoundTrip(format!("{i} → {u:?} → {back}")));
+        }
+    }
+    Ok(())
+}
+
 /// The first law that a discrete pdf breaks.
 pub fn check_discrete<P: Pdf<Point = usize>>(pdf: &P, probabilities: &[f64]) -> Result<(), Fault> {
     let n = probabilities.len();
