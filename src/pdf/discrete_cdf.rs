@@ -1,6 +1,7 @@
 //! An index, by inversion of its cumulative distribution.
 
 use super::cdf::Cdf;
+use super::given::given;
 use super::{Invert, Pdf, Sample, WeightsError};
 
 /// One of n indices, with probability proportional to its weight; with respect
@@ -63,7 +64,7 @@ impl Pdf for DiscreteCdf {
         let point = self.cdf.index(u);
         Sample {
             point,
-            density: self.probabilities[point],
+            density: given(u, self.probabilities[point]),
         }
     }
 

@@ -2,6 +2,7 @@
 
 use core::fmt::Debug;
 
+use super::given::given;
 use super::weights::{WeightsError, accumulate};
 use super::{Pdf, Sample};
 use crate::sampler::UnitPoint;
@@ -126,7 +127,7 @@ impl<C: MixtureComponents<N>, const N: usize> Pdf for Mixture<C, N> {
         let index = self.steps[..N - 1].iter().filter(|&&p| p <= pick).count();
         let point = self.components.point(index, u);
         Sample {
-            density: self.density(&point),
+            density: given((pick, u), self.density(&point)),
             point,
         }
     }
@@ -143,7 +144,7 @@ impl<C: MixtureComponents<N>, const N: usize> Pdf for Mixture<C, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pdf::{Exponential, Interval, Power};
+    use crate::pdf::{Discrete, Exponential, Interval, Power};
 
     const LAST: f64 = 1.0 - f64::EPSILON / 2.0;
 
@@ -198,6 +199,16 @@ mod tests {
         assert_eq!(pole.density(&0.0), f64::INFINITY);
         let p = Mixture::new([pole, even], [0.0, 1.0]).unwrap();
         assert_eq!(p.density(&0.0), 1.0);
+    }
+
+    /// An index is never NaN: only its density can tell.
+    #[test]
+    fn what_was_not_given_is_not_made_up() {
+        let index = Discrete::new(&[1.0, 1.0]).unwrap();
+        let p = Mixture::new((&index, &index), [1.0, 1.0]).unwrap();
+        for u in [(f64::NAN, 0.5), (0.5, f64::NAN)] {
+            assert!(p.sample(u).density.is_nan());
+        }
     }
 
     #[test]
