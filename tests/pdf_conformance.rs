@@ -15,7 +15,9 @@ use estimand::pdf::{
     UnitCube,
 };
 use support::chart::{Pair, Polar, Space, Sphere, Triangle};
-use support::pdf_laws::{cells, cells_and_tail, cells_and_tails, discrete, line, over};
+use support::pdf_laws::{
+    cells, cells_and_tail, cells_and_tails, discrete, discrete_invert, line, over,
+};
 
 const INF: f64 = f64::INFINITY;
 
@@ -264,6 +266,11 @@ fn tables_of_indices() {
         &DiscreteCdf::new(&WEIGHTS).unwrap(),
         &probabilities(),
     );
+    discrete_invert(
+        "DiscreteCdf",
+        &DiscreteCdf::new(&WEIGHTS).unwrap(),
+        &probabilities(),
+    );
     let many: Vec<f64> = (0..1000).map(f64::from).collect();
     let sum: f64 = many.iter().sum();
     let probabilities: Vec<f64> = many.iter().map(|w| w / sum).collect();
@@ -273,6 +280,11 @@ fn tables_of_indices() {
         &probabilities,
     );
     discrete(
+        "1000 of DiscreteCdf",
+        &DiscreteCdf::new(&many).unwrap(),
+        &probabilities,
+    );
+    discrete_invert(
         "1000 of DiscreteCdf",
         &DiscreteCdf::new(&many).unwrap(),
         &probabilities,

@@ -7,10 +7,12 @@ mod support;
 use std::f64::consts::{FRAC_1_PI, TAU};
 use std::fmt::Debug;
 
-use estimand::pdf::{Exponential, Invert, Pdf, Sample};
+use estimand::pdf::{DiscreteCdf, Exponential, Invert, Pdf, Sample};
 use estimand::sampler::UnitPoint;
 use support::chart::{Polar, Space, Sphere};
-use support::pdf_laws::{Fault, cells, cells_and_tail, check_discrete, line, over};
+use support::pdf_laws::{
+    Fault, cells, cells_and_tail, check_discrete, check_discrete_invert, line, over,
+};
 
 /// A warp and a density that claim to belong together.
 #[derive(Clone, Copy)]
@@ -129,6 +131,29 @@ fn square_density(&[x, y]: &[f64; 2]) -> f64 {
     unit_density(&x) * unit_density(&y)
 }
 
+/// Where a coordinate is NaN.
+#[test]
+fn a_sample_that_is_made_up_is_rejected() {
+    // `clamp` keeps a NaN, `max` does not.
+    assert!(on_unit_interval(|u| u.clamp(0.0, 1.0), unit_density).is_ok());
+    let off = on_unit_interval(|u| u.max(0.0), unit_density);
+    assert!(matches!(off, Err(Fault::MadeUp(_))), "{off:?}");
+    // One of two coordinates, at a single value of the other.
+    let square = Twin {
+        warp: |[u, v]: [f64; 2]| if u == 0.5 { [u, v.max(0.0)] } else { [u, v] },
+        density: square_density,
+    };
+    let edges = [cells(0.0, 1.0, 16), cells(0.0, 1.0, 16)];
+    let off = over("square", square, Space, edges).check();
+    assert!(matches!(off, Err(Fault::MadeUp(_))), "{off:?}");
+    let heads = Twin {
+        warp: |u: f64| usize::from(u < 0.5),
+        density: |&side: &usize| if side < 2 { 0.5 } else { 0.0 },
+    };
+    let off = check_discrete(&heads, &[0.5, 0.5]);
+    assert!(matches!(off, Err(Fault::MadeUp(_))), "{off:?}");
+}
+
 /// Both coordinates are uniform by themselves, and 3 % of them the same.
 #[test]
 fn dependent_coordinates_are_rejected() {
@@ -141,7 +166,11 @@ fn dependent_coordinates_are_rejected() {
         over("square", square, Space, edges).check()
     };
     assert!(check(|u| u).is_ok());
-    let off = check(|[u, v]| [u, if (16.0 * u).fract() < 0.03 { u } else { v }]);
+    // u again, but NaN where v is.
+    let off = check(|[u, v]| {
+        let same = (16.0 * u).fract() < 0.03;
+        [u, if same { u + 0.0 * v } else { v }]
+    });
     assert!(matches!(off, Err(Fault::Frequencies(_))), "{off:?}");
 }
 
@@ -205,22 +234,56 @@ fn a_direction_that_is_no_unit_vector_is_rejected() {
     assert!(matches!(off, Err(Fault::Domain(_))), "{off:?}");
 }
 
+/// ⌊x⌋; none where x is NaN.
+fn face(x: f64) -> usize {
+    if x.is_nan() { usize::MAX } else { x as usize }
+}
+
 /// Faces of a die, the six 5 % too frequent.
 #[test]
 fn a_loaded_die_is_rejected() {
     let density = |&face: &usize| if face < 6 { 1.0 / 6.0 } else { 0.0 };
     let fair = [1.0 / 6.0; 6];
     let die = Twin {
-        warp: |u: f64| (6.0 * u) as usize,
+        warp: |u: f64| face(6.0 * u),
         density,
     };
     assert!(check_discrete(&die, &fair).is_ok());
     let loaded = Twin {
-        warp: |u: f64| ((6.05 * u) as usize).min(5),
+        warp: |u: f64| face((6.05 * u).clamp(0.0, 5.0)),
         density,
     };
     let off = check_discrete(&loaded, &fair);
     assert!(matches!(off, Err(Fault::Frequencies(_))), "{off:?}");
     let off = check_discrete(&die, &[0.2, 0.2, 0.2, 0.2, 0.1, 0.1]);
     assert!(matches!(off, Err(Fault::Density(_))), "{off:?}");
+}
+
+/// A table of indices whose inverse is that of the next.
+struct Next(DiscreteCdf);
+
+impl Pdf for Next {
+    type Unit = f64;
+    type Point = usize;
+    fn sample(&self, u: f64) -> Sample<usize> {
+        self.0.sample(u)
+    }
+    fn density(&self, i: &usize) -> f64 {
+        self.0.density(i)
+    }
+}
+
+impl Invert for Next {
+    fn invert(&self, i: &usize) -> f64 {
+        self.0.invert(&(i + 1))
+    }
+}
+
+#[test]
+fn the_coordinate_of_another_index_is_rejected() {
+    let table = DiscreteCdf::new(&[1.0, 3.0]).unwrap();
+    let probabilities = [0.25, 0.75];
+    assert!(check_discrete_invert(&table, &probabilities).is_ok());
+    let off = check_discrete_invert(&Next(table), &probabilities);
+    assert!(matches!(off, Err(Fault::RoundTrip(_))), "{off:?}");
 }

@@ -1,5 +1,6 @@
 //! An index, by the alias method.
 
+use super::given::given;
 use super::off_zero::HALF_ULP;
 use super::weights::{WeightsError, accumulate};
 use super::{Pdf, Sample};
@@ -107,7 +108,7 @@ impl Pdf for Discrete {
         };
         Sample {
             point,
-            density: self.probabilities[point],
+            density: given(u, self.probabilities[point]),
         }
     }
 

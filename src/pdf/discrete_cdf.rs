@@ -1,6 +1,7 @@
 //! An index, by inversion of its cumulative distribution.
 
 use super::cdf::Cdf;
+use super::given::given;
 use super::{Invert, Pdf, Sample, WeightsError};
 
 /// One of n indices, with probability proportional to its weight; with respect
@@ -32,7 +33,8 @@ use super::{Invert, Pdf, Sample, WeightsError};
 ///
 /// [`Invert`] gives the start of the indices' range of u, P(i − 1): the one
 /// coordinate in it that sampling is certain to map back to i. An index with
-/// less than about 2⁻⁵³ of the weight may be passed over by every u.
+/// less than about 2⁻⁵³ of the weight may be passed over by every u. Of an index
+/// that has no weight at all, outside of the table, the coordinate is NaN.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DiscreteCdf {
     cdf: Cdf,
@@ -62,7 +64,7 @@ impl Pdf for DiscreteCdf {
         let point = self.cdf.index(u);
         Sample {
             point,
-            density: self.probabilities[point],
+            density: given(u, self.probabilities[point]),
         }
     }
 
@@ -75,7 +77,11 @@ impl Pdf for DiscreteCdf {
 impl Invert for DiscreteCdf {
     #[inline]
     fn invert(&self, &index: &usize) -> f64 {
-        self.cdf.join(index, 0.0)
+        if index < self.probabilities.len() {
+            self.cdf.join(index, 0.0)
+        } else {
+            f64::NAN
+        }
     }
 }
 
@@ -106,6 +112,15 @@ mod tests {
         }
         let total: f64 = (0..weights.len()).map(|i| p.density(&i)).sum();
         assert!((total - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn an_index_outside_has_no_coordinate() {
+        let p = DiscreteCdf::new(&[2.0, 0.0]).unwrap();
+        assert_eq!(p.invert(&1), 1.0);
+        for index in [2, 7, usize::MAX] {
+            assert!(p.invert(&index).is_nan());
+        }
     }
 
     /// The tiny weight keeps its probability, but no coordinate is its own.

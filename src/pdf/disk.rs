@@ -93,7 +93,8 @@ impl Pdf for ConcentricDisk {
             let (sin, cos) = (FRAC_PI_4 * (a / b)).sin_cos();
             [self.radius * b * sin, self.radius * b * cos]
         } else {
-            [0.0, 0.0]
+            // Both are 0, or a is NaN.
+            [a, b]
         };
         Sample {
             point,

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::given::given;
 use super::off_zero::{HALF_ULP, off_zero};
 use super::solve::solve;
 use super::{Invert, Pdf, Sample, gauss, tails};
@@ -233,7 +234,7 @@ impl<D: Fn(f64) -> f64, Q: Fn(f64) -> f64> Pdf for InverseCdf<D, Q> {
         let point = (self.inverse)(off_zero(u));
         Sample {
             point,
-            density: (self.density)(point),
+            density: given(u, (self.density)(point)),
         }
     }
 

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::given::given;
 use super::off_zero::off_zero;
 use super::{Invert, Pdf, Sample};
 
@@ -137,7 +138,7 @@ impl Pdf for Linear {
         // Of the rounded point: near a zero its distance has fewer digits than u.
         Sample {
             point,
-            density: self.density(&point),
+            density: given(u, self.density(&point)),
         }
     }
 

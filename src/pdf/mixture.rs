@@ -2,6 +2,7 @@
 
 use core::fmt::Debug;
 
+use super::given::given;
 use super::weights::{WeightsError, accumulate};
 use super::{Pdf, Sample};
 use crate::sampler::UnitPoint;
@@ -126,7 +127,7 @@ impl<C: MixtureComponents<N>, const N: usize> Pdf for Mixture<C, N> {
         let index = self.steps[..N - 1].iter().filter(|&&p| p <= pick).count();
         let point = self.components.point(index, u);
         Sample {
-            density: self.density(&point),
+            density: given((pick, u), self.density(&point)),
             point,
         }
     }
@@ -134,14 +135,16 @@ impl<C: MixtureComponents<N>, const N: usize> Pdf for Mixture<C, N> {
     #[inline]
     fn density(&self, x: &C::Point) -> f64 {
         let densities = self.components.densities(x);
-        (0..N).map(|i| self.weights[i] * densities[i]).sum()
+        // A weight of 0 times an infinite density is NaN.
+        let term = |(&weight, p)| if weight > 0.0 { weight * p } else { 0.0 };
+        self.weights.iter().zip(densities).map(term).sum()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pdf::{Exponential, Interval};
+    use crate::pdf::{Discrete, Exponential, Interval, Power};
 
     const LAST: f64 = 1.0 - f64::EPSILON / 2.0;
 
@@ -187,6 +190,25 @@ mod tests {
         }
         let last = Mixture::new(halves(), [1e-300, 0.0, 1.0]).unwrap();
         assert_eq!(last.sample((0.0, 0.0)).point, 2.0);
+    }
+
+    #[test]
+    fn weights_of_zero_do_not_count_where_their_density_is_infinite() {
+        let pole = Power::new(0.0, 1.0, -0.5).unwrap();
+        let even = Power::new(0.0, 1.0, 0.0).unwrap();
+        assert_eq!(pole.density(&0.0), f64::INFINITY);
+        let p = Mixture::new([pole, even], [0.0, 1.0]).unwrap();
+        assert_eq!(p.density(&0.0), 1.0);
+    }
+
+    /// An index is never NaN: only its density can tell.
+    #[test]
+    fn what_was_not_given_is_not_made_up() {
+        let index = Discrete::new(&[1.0, 1.0]).unwrap();
+        let p = Mixture::new((&index, &index), [1.0, 1.0]).unwrap();
+        for u in [(f64::NAN, 0.5), (0.5, f64::NAN)] {
+            assert!(p.sample(u).density.is_nan());
+        }
     }
 
     #[test]

@@ -14,6 +14,7 @@ mod discrete_cdf;
 mod disk;
 mod exponential;
 mod gauss;
+mod given;
 mod interval;
 mod inverse_cdf;
 mod linear;
@@ -87,8 +88,11 @@ pub struct Sample<X> {
 /// ∫ g(sample(u)) du = ∫ g(x) p(x) dx for every g.
 ///
 /// Laws, which the crate's conformance suite checks for every pdf of its own:
-/// `sample(u).density` equals `density(&sample(u).point)` up to rounding and is
-/// positive; ∫ p = 1; points are finite for every u in [0, 1), 0 included.
+/// `sample(u).density` equals `density(&sample(u).point)` up to rounding, that
+/// of the point included, and is positive; ∫ p = 1; points are finite for every
+/// u in [0, 1), 0 included. A coordinate that is NaN, as
+/// [`Replay`](crate::sampler::Replay) reads one that was not given, makes the
+/// point NaN, or its density one that is not positive and finite.
 pub trait Pdf {
     /// What it reads: a point of the unit cube.
     type Unit: UnitPoint;

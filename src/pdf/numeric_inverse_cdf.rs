@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::{Invert, Pdf, Sample, gauss::RULE, off_zero::off_zero, solve::solve};
+use super::{Invert, Pdf, Sample, gauss::RULE, given::given, off_zero::off_zero, solve::solve};
 
 /// A density proportional to a closure f on [a, b], with respect to length; its
 /// CDF is integrated and inverted numerically.
@@ -315,13 +315,13 @@ impl<F: Fn(f64) -> f64> NumericInverseCdf<F> {
         self.integral
     }
 
-    /// The sample at `x`, or as near to it towards `anchor` as f is positive
+    /// The sample of u at `x`, or as near to it towards `anchor` as f is positive
     /// and finite.
     #[inline]
-    fn settle(&self, mut x: f64, anchor: f64) -> Sample<f64> {
+    fn settle(&self, u: f64, mut x: f64, anchor: f64) -> Sample<f64> {
         let mut step = f64::EPSILON;
         loop {
-            let density = (self.density)(x) / self.integral;
+            let density = given(u, (self.density)(x) / self.integral);
             if (density > 0.0 && density.is_finite()) || step > 1.0 {
                 return Sample { point: x, density };
             }
@@ -347,7 +347,7 @@ impl<F: Fn(f64) -> f64> Pdf for NumericInverseCdf<F> {
             (mass - target, slope)
         };
         let (s, _) = solve(residual, [0.0, 2.0], panel.guess(target), 1e-13);
-        self.settle(panel.start + panel.half_width * s, panel.anchor)
+        self.settle(u, panel.start + panel.half_width * s, panel.anchor)
     }
 
     #[inline]

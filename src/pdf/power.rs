@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::given::given;
 use super::off_zero::off_zero;
 use super::{Invert, Pdf, Sample};
 
@@ -137,7 +138,7 @@ impl Pdf for Power {
         let point = point.max(self.start.next_up()).min(self.end);
         Sample {
             point,
-            density: self.density(&point),
+            density: given(u, self.density(&point)),
         }
     }
 

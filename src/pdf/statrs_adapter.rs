@@ -4,7 +4,8 @@ use core::fmt;
 
 use statrs::distribution::{Continuous, ContinuousCDF};
 
-use super::off_zero::{HALF_ULP, off_zero};
+use super::given::given;
+use super::off_zero::HALF_ULP;
 use super::solve::solve;
 use super::{Invert, Pdf, Sample, gauss, tails};
 
@@ -356,8 +357,12 @@ impl<D: Continuous<f64, f64> + ContinuousCDF<f64, f64>> Pdf for Statrs<D> {
         } else {
             (Half::Upper, 1.0 - u)
         };
-        let (point, density) = self.solve(half, off_zero(tail));
-        Sample { point, density }
+        // Not `off_zero`: of a NaN there is no cell.
+        let (point, density) = self.solve(half, tail.max(HALF_ULP));
+        Sample {
+            point,
+            density: given(u, density),
+        }
     }
 
     #[inline]

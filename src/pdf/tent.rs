@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::given::given;
 use super::off_zero::off_zero;
 use super::{Invert, Pdf, Sample};
 
@@ -109,7 +110,7 @@ impl Pdf for Tent {
         };
         Sample {
             point,
-            density: self.density(&point),
+            density: given(u, self.density(&point)),
         }
     }
 

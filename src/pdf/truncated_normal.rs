@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::given::given;
 use super::normal::Normal;
 use super::off_zero::off_zero;
 use super::standard_normal::{PEAK, below, mass, mills, quantile};
@@ -224,7 +225,7 @@ impl Pdf for TruncatedNormal {
         let point = point.max(self.start).min(self.end);
         Sample {
             point,
-            density: self.density(&point),
+            density: given(u, self.density(&point)),
         }
     }
 

@@ -4,7 +4,9 @@
 //! cells by a quadrature of our own: a sampler and a density that were derived
 //! from one wrong formula still disagree with ∫ p = 1 or with each other.
 
-use estimand::pdf::{Invert, Pdf};
+use std::fmt::Debug;
+
+use estimand::pdf::{Invert, Pdf, Sample};
 use estimand::sampler::{Block, Coordinates, Independent, Replay, Sampler, UnitPoint};
 
 use super::chart::{Chart, Line};
@@ -49,6 +51,8 @@ pub enum Fault {
     Mass(f64),
     /// The p-value of points that do not follow the density.
     Frequencies(f64),
+    /// A sample that looks sound although a coordinate is NaN.
+    MadeUp(String),
     /// `invert` does not lead back.
     RoundTrip(String),
 }
@@ -117,12 +121,22 @@ impl<P: Pdf, C: Chart<D, Point = P::Point>, const D: usize> PdfLaws<P, C, D> {
     pub fn check(&self) -> Result<(), Fault> {
         self.points_are_finite_and_densities_agree()?;
         self.density_stays_inside()?;
+        self.nothing_is_made_up()?;
         self.points_follow_the_density(&self.masses()?)
     }
 
     fn points_are_finite_and_densities_agree(&self) -> Result<(), Fault> {
         for u in units::<P::Unit>() {
             self.density_agrees(u)?;
+        }
+        Ok(())
+    }
+
+    fn nothing_is_made_up(&self) -> Result<(), Fault> {
+        for u in units_with_nan::<P::Unit>() {
+            let sample = self.pdf.sample(u);
+            let at = self.chart.locate(&sample.point);
+            refused(u, &sample, at.iter().any(|s| s.is_nan()))?;
         }
         Ok(())
     }
@@ -342,6 +356,32 @@ fn units<U: UnitPoint>() -> Vec<U> {
     (0..count).map(read).collect()
 }
 
+/// The same, each coordinate in turn NaN.
+fn units_with_nan<U: UnitPoint>() -> impl Iterator<Item = U> {
+    let with_nan = |u: U| {
+        (0..U::DIM).map(move |missing| {
+            let mut axis = 0..;
+            u.map(&mut |x| {
+                if axis.next() == Some(missing) {
+                    f64::NAN
+                } else {
+                    x
+                }
+            })
+        })
+    };
+    units().into_iter().flat_map(with_nan)
+}
+
+/// Whether an estimator f/p of this sample is NaN.
+fn refused<X: Debug>(u: impl UnitPoint, sample: &Sample<X>, nan: bool) -> Result<(), Fault> {
+    if nan || !(sample.density > 0.0 && sample.density.is_finite()) {
+        return Ok(());
+    }
+    let u = coordinates(u);
+    Err(Fault::MadeUp(format!("{sample:?} at u = {u:?}")))
+}
+
 /// The coordinates of a unit point, in order.
 fn coordinates<U: UnitPoint>(u: U) -> Vec<f64> {
     let mut all = Vec::with_capacity(U::DIM);
@@ -373,6 +413,35 @@ pub fn discrete<P: Pdf<Point = usize>>(name: &str, pdf: &P, probabilities: &[f64
     }
 }
 
+/// Fails if `invert` does not lead every index of positive probability back to
+/// itself.
+#[track_caller]
+pub fn discrete_invert<P>(name: &str, pdf: &P, probabilities: &[f64])
+where
+    P: Invert<Point = usize>,
+{
+    if let Err(fault) = check_discrete_invert(pdf, probabilities) {
+        panic!("{name}: {fault:?}");
+    }
+}
+
+/// The first index that `invert` does not lead back to itself.
+pub fn check_discrete_invert<P>(pdf: &P, probabilities: &[f64]) -> Result<(), Fault>
+where
+    P: Invert<Point = usize>,
+{
+    let occurs = |i: &usize| probabilities[*i] > 0.0;
+    for i in (0..probabilities.len()).filter(occurs) {
+        let u = pdf.invert(&i);
+        let back = pdf.sample(u).point;
+        if back != i {
+            let u = coordinates(u);
+            return Err(Fault::RoundTrip(format!("{i} → {u:?} → {back}")));
+        }
+    }
+    Ok(())
+}
+
 /// The first law that a discrete pdf breaks.
 pub fn check_discrete<P: Pdf<Point = usize>>(pdf: &P, probabilities: &[f64]) -> Result<(), Fault> {
     let n = probabilities.len();
@@ -386,6 +455,9 @@ pub fn check_discrete<P: Pdf<Point = usize>>(pdf: &P, probabilities: &[f64]) -> 
     };
     for u in units::<P::Unit>() {
         agrees(u)?;
+    }
+    for u in units_with_nan::<P::Unit>() {
+        refused(u, &pdf.sample(u), false)?;
     }
     for (i, &p) in probabilities.iter().chain([&0.0, &0.0]).enumerate() {
         let density = pdf.density(&i);
