@@ -19,6 +19,10 @@ pub type Outcome<V, E = core::convert::Infallible> =
 /// feature `parallel` gives; for another seed, sampler, integrator or
 /// executor, put the parts together as [`MonteCarlo`] shows.
 ///
+/// What the closure returns decides the type of the answer: where it ends in
+/// bare literals, say which, as in `if inside { 1.0_f64 } else { 0.0 }` or
+/// `f64::from(inside)`.
+///
 /// # Errors
 ///
 /// See [`RunError`]: a value that is NaN or infinite is refused.

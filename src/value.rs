@@ -242,6 +242,19 @@ mod tests {
         assert_eq!(<[f64; 3] as Components>::COUNT, 3);
     }
 
+    #[cfg(feature = "render")]
+    #[test]
+    fn vectors_of_glam_are_averaged_in_double_precision() {
+        use glam::{DVec2, DVec3, DVec4, Vec2, Vec3, Vec3A, Vec4};
+        assert_eq!(Vec2::new(1.0, 2.0).over(4.0), DVec2::new(0.25, 0.5));
+        assert_eq!(Vec3::ONE.over(3.0), DVec3::splat(1.0 / 3.0));
+        assert_eq!(Vec3A::ONE.over(3.0), DVec3::splat(1.0 / 3.0));
+        assert_eq!(Vec4::ONE.over(2.0), DVec4::splat(0.5));
+        assert_eq!(DVec2::ONE.over(2.0), DVec2::splat(0.5));
+        assert_eq!(DVec3::X.over(2.0).components(), [0.5, 0.0, 0.0]);
+        assert_eq!(DVec4::W.over(2.0), DVec4::new(0.0, 0.0, 0.0, 0.5));
+    }
+
     /// A third of an `f32` has more digits in double precision.
     #[test]
     fn division_happens_in_double_precision() {

@@ -127,3 +127,27 @@ fn stratified() {
     };
     assert_eq!(bits(&Stratified::new([3], 2, 3).unwrap(), block), expected);
 }
+
+/// A whole run: how passes are cut, blocks seeded and sums merged. These bits
+/// are the crate's own; the values that they are near to are known.
+#[test]
+fn runs() {
+    use estimand::prelude::*;
+    let estimator = Importance::new(|[x, y]: [f64; 2]| x + 2.0 * y, estimand::pdf::UnitCube);
+    let stop = Stop::samples(10_000);
+    let mut plain = MonteCarlo::new(estimator, Independent::new(7));
+    let e = run(&mut plain, &Serial, &stop).unwrap().answer;
+    assert!((e.mean - 1.5).abs() < 5.0 * (5.0_f64 / 12.0 / 10_000.0).sqrt());
+    assert_eq!(
+        [e.mean, e.standard_error].map(f64::to_bits),
+        [4_609_450_840_237_002_009, 4_574_048_409_425_697_412]
+    );
+    let grid = Stratified::new([50, 50], 2, 7).unwrap();
+    let mut strata = StratifiedMonteCarlo::new(estimator, grid);
+    let e = run(&mut strata, &Serial, &stop).unwrap().answer;
+    assert!((e.mean - 1.5).abs() < 5.0 * (5.0_f64 / 12.0 / 10_000.0).sqrt() / 50.0);
+    assert_eq!(
+        [e.mean, e.standard_error].map(f64::to_bits),
+        [4_609_434_086_633_561_901, 4_548_919_289_168_483_562]
+    );
+}

@@ -25,9 +25,10 @@ use crate::value::{Components, Value};
 ///
 /// # Notes
 ///
-/// 0 ± 0 meets no relative tolerance: samples that are all zero may only have
-/// missed where the integrand is not. An integrand that is zero everywhere needs
-/// an absolute tolerance or a budget to come to an end.
+/// A relative tolerance is met neither by 0 ± 0, where samples that are all zero
+/// may only have missed where the integrand is not, nor by an error of 0 between
+/// samples that vary, where strata may have done so. An integrand that is zero
+/// everywhere needs an absolute tolerance or a budget to come to an end.
 ///
 /// A run that ends as soon as its error bar is small enough ends a little too
 /// often when the bar happens to be too small: its intervals cover less than
@@ -167,9 +168,12 @@ impl Tolerance {
             estimate.standard_error.components(),
         );
         let (mean, error) = (mean.as_ref(), error.as_ref());
+        let varied = estimate.moments.variance().map(|v| v.components());
+        let varied = varied.is_some_and(|v| v.as_ref().iter().any(|v| *v > 0.0));
         let small = |error: f64, size: f64| {
-            let relative = size > 0.0 && error <= self.relative * size;
-            relative || (self.absolute > 0.0 && error <= self.absolute)
+            let known = size > 0.0 && !(error == 0.0 && varied);
+            (known && error <= self.relative * size)
+                || (self.absolute > 0.0 && error <= self.absolute)
         };
         let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         match self.measure {
