@@ -29,7 +29,7 @@ use crate::value::{Components, Value};
 /// With one sample a stratum there is no spread within; the variance is then
 /// that of neighbouring strata along the fastest axis,
 /// ½ (yₘ₊₁ − yₘ)², and the answer says so:
-/// [`ErrorSource::NeighbouringStrata`]. It is too large by what the integrand
+/// [`NeighbouringStrata`](crate::estimate::ErrorSource::NeighbouringStrata). It is too large by what the integrand
 /// changes from one stratum to the next. With two samples a stratum the variance
 /// is unbiased; where few of many strata carry all of it, as along a jump, that
 /// estimate is itself uncertain, and the degrees of freedom say so.
