@@ -28,11 +28,12 @@ use crate::value::{Components, Value};
 ///
 /// With one sample a stratum there is no spread within; the variance is then
 /// that of neighbouring strata along the fastest axis,
-/// ½ (yₘ₊₁ − yₘ)², and the answer says so:
-/// [`NeighbouringStrata`](crate::estimate::ErrorSource::NeighbouringStrata). It is too large by what the integrand
-/// changes from one stratum to the next. With two samples a stratum the variance
-/// is unbiased; where few of many strata carry all of it, as along a jump, that
-/// estimate is itself uncertain, and the degrees of freedom say so.
+/// ½ (yₘ₊₁ − yₘ)², and the answer says so
+/// ([`NeighbouringStrata`](crate::estimate::ErrorSource::NeighbouringStrata)).
+/// It is too large by what the integrand changes from one stratum to the next.
+/// With two samples a stratum the variance is unbiased; where few of many strata
+/// carry all of it, as along a jump, that estimate is itself uncertain, and the
+/// degrees of freedom say so.
 ///
 /// A run takes whole sweeps of the grid; a larger budget than one sweep buys
 /// more of them, and their error falls like 1/√sweeps. A limit of time is
