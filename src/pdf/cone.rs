@@ -101,7 +101,9 @@ impl UniformCone {
         Ok(Self::of_height(height))
     }
 
-    fn of_height(height: f64) -> Self {
+    /// The cone of this 1 − cos θₘ, which lies in (0, 2].
+    #[inline]
+    pub(crate) fn of_height(height: f64) -> Self {
         Self {
             height,
             density: 1.0 / (2.0 * PI * height),

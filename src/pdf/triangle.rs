@@ -88,6 +88,16 @@ fn across<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
     core::array::from_fn(|i| a[i] - along * b[i])
 }
 
+/// (β, γ) of the point that belongs to (ξ₁, ξ₂).
+#[inline]
+pub(crate) fn fold([u, v]: [f64; 2]) -> [f64; 2] {
+    if u < v {
+        [0.5 * u, v - 0.5 * u]
+    } else {
+        [u - 0.5 * v, 0.5 * v]
+    }
+}
+
 impl<const N: usize> UniformTriangle<N> {
     /// The triangle with these corners, in either orientation.
     ///
@@ -140,12 +150,8 @@ impl<const N: usize> Pdf for UniformTriangle<N> {
     type Point = [f64; N];
 
     #[inline]
-    fn sample(&self, [u, v]: [f64; 2]) -> Sample<[f64; N]> {
-        let (beta, gamma) = if u < v {
-            (0.5 * u, v - 0.5 * u)
-        } else {
-            (u - 0.5 * v, 0.5 * v)
-        };
+    fn sample(&self, u: [f64; 2]) -> Sample<[f64; N]> {
+        let [beta, gamma] = fold(u);
         let [e, f] = &self.edges;
         Sample {
             point: core::array::from_fn(|i| self.corner[i] + (beta * e[i] + gamma * f[i])),

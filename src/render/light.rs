@@ -1,0 +1,109 @@
+//! Points of a light, seen from elsewhere.
+
+use glam::DVec3;
+
+use super::{Scene, Shape, SurfacePoint};
+use crate::pdf::{Pdf, Sample};
+
+/// How the points of a light are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LightPoints {
+    /// Uniformly over its area, p = 1/A, as in the lectures.
+    Area,
+    /// A sphere uniformly over the solid angle that it takes, where it is seen
+    /// from outside; all else by area.
+    #[default]
+    SolidAngle,
+}
+
+/// A point of a light, as seen from another point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightSample {
+    /// The point of the light, x′.
+    pub point: SurfacePoint,
+    /// The direction to it, ω.
+    pub direction: DVec3,
+    /// p(ω), per steradian.
+    pub density: f64,
+}
+
+/// An area density as one of solid angle: dω = dA cos θ′/‖x′ − x‖².
+///
+/// ```text
+/// p(ω) = p(x′) ‖x′ − x‖²/cos θ′
+/// ```
+///
+/// Infinite where the area is seen from its edge.
+///
+/// # Example
+///
+/// ```
+/// use estimand::render::solid_angle_density;
+/// use glam::DVec3;
+///
+/// // A metre square, two metres above, turned by 60°.
+/// let normal = DVec3::new(0.0, -0.5, 0.75_f64.sqrt());
+/// let p = solid_angle_density(1.0, DVec3::new(0.0, 2.0, 0.0), normal);
+/// assert!((p - 8.0).abs() < 1e-14);
+/// ```
+#[must_use]
+#[inline]
+pub fn solid_angle_density(area_density: f64, to_point: DVec3, normal: DVec3) -> f64 {
+    let square = to_point.length_squared();
+    // r²/cos θ′ = r³/|n · (x′ − x)|
+    area_density * square * square.sqrt() / normal.dot(to_point).abs()
+}
+
+impl Scene {
+    /// A point of the light that is primitive number `primitive`, drawn at u,
+    /// as seen from `from`.
+    #[must_use]
+    #[inline]
+    pub fn sample_light(
+        &self,
+        primitive: usize,
+        points: LightPoints,
+        from: DVec3,
+        u: [f64; 2],
+    ) -> LightSample {
+        let shape = &self.primitives()[primitive].shape;
+        if let (LightPoints::SolidAngle, Shape::Sphere(sphere)) = (points, shape)
+            && let Some(cone) = sphere.cone_from(from)
+        {
+            let Sample { point, density } = cone.sample(u);
+            return LightSample {
+                point,
+                direction: (point.position - from).normalize_or_zero(),
+                density,
+            };
+        }
+        let Sample { point, density } = shape.sample(u);
+        let to = point.position - from;
+        LightSample {
+            point,
+            direction: to.normalize_or_zero(),
+            density: solid_angle_density(density, to, point.normal),
+        }
+    }
+
+    /// The density, per steradian, with which [`sample_light`](Self::sample_light)
+    /// gives this point of the light.
+    #[must_use]
+    #[inline]
+    pub fn light_density(
+        &self,
+        primitive: usize,
+        points: LightPoints,
+        from: DVec3,
+        point: &SurfacePoint,
+    ) -> f64 {
+        let shape = &self.primitives()[primitive].shape;
+        if let (LightPoints::SolidAngle, Shape::Sphere(sphere)) = (points, shape)
+            && let Some(cone) = sphere.cone_from(from)
+        {
+            return cone.density(point);
+        }
+        let to = point.position - from;
+        solid_angle_density(1.0 / shape.area(), to, point.normal)
+    }
+}

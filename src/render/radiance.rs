@@ -1,0 +1,346 @@
+//! The rendering equation's estimator.
+
+use glam::DVec3;
+
+use super::{Camera, Choice, Direct, Hit, Lights, Ray, Scene, Surface, Technique, TechniqueError};
+use crate::estimator::{Estimator, FromFn};
+use crate::pdf::Pdf;
+use crate::sampler::Coordinates;
+
+/// The radiance that arrives along a ray, estimated by a path.
+///
+/// ```text
+/// L(x, ωₒ) = Lₑ(x, ωₒ) + ∫ f(x, ωₒ, ωᵢ) L(x′, −ωᵢ) |cos θᵢ| dωᵢ
+/// ```
+///
+/// x′ is what is seen from x in the direction ωᵢ; where there is nothing, L is
+/// that of the environment. A [`Technique`] says how the integral is estimated.
+///
+/// # Example
+///
+/// A white furnace: in a room whose walls emit 1 and reflect one half, the
+/// radiance is 1/(1 − ½) everywhere.
+///
+/// ```
+/// use estimand::prelude::*;
+/// use estimand::render::{Primitive, Radiance, Ray, Scene, Sphere, Surface, Technique};
+/// use glam::DVec3;
+///
+/// let room = Primitive {
+///     shape: Sphere::new(DVec3::ZERO, 1.0)?.inward().into(),
+///     surface: Surface::lambertian(DVec3::splat(0.5))?,
+///     emission: DVec3::ONE,
+/// };
+/// let scene = Scene::new(vec![room])?;
+/// let radiance = Radiance::new(&scene, Technique::path_tracing())?;
+/// let ray = Ray { origin: DVec3::ZERO, direction: DVec3::X };
+/// let mut integrator = MonteCarlo::new(radiance.along(ray), Independent::new(7));
+/// let l = run(&mut integrator, &Serial, &Stop::samples(10_000))?.answer;
+/// assert!((l.mean.x - 2.0).abs() < 5.0 * l.standard_error.x);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// Source: Kajiya, *The Rendering Equation* (1986).
+#[derive(Clone, Copy, Debug)]
+pub struct Radiance<'a> {
+    scene: &'a Scene,
+    technique: Technique,
+    /// How many rays go on from a vertex.
+    rays: u32,
+}
+
+impl<'a> Radiance<'a> {
+    /// The radiance in `scene`, estimated by `technique`.
+    ///
+    /// # Errors
+    ///
+    /// See [`TechniqueError`]. Where a threshold alone ends paths, every surface
+    /// must reflect less than all.
+    pub fn new(scene: &'a Scene, technique: Technique) -> Result<Self, TechniqueError> {
+        let rays = technique.check(scene)?;
+        Ok(Self {
+            scene,
+            technique,
+            rays,
+        })
+    }
+
+    /// The radiance that arrives along one ray: an estimator.
+    #[must_use]
+    pub fn along(self, ray: Ray) -> Along<'a> {
+        Along {
+            radiance: self,
+            ray,
+        }
+    }
+
+    /// The radiance that arrives at the film of `camera`: an estimator whose
+    /// first two coordinates are the position on the film.
+    #[must_use]
+    pub fn seen_by(self, camera: Camera) -> Seen<'a> {
+        Seen {
+            radiance: self,
+            camera,
+        }
+    }
+
+    /// One path, or a tree of them.
+    #[inline]
+    fn trace<C: Coordinates>(&self, ray: Ray, u: &mut C) -> Path {
+        let mut path = Path::default();
+        let start = Step {
+            ray,
+            throughput: DVec3::ONE,
+            vertices: 0,
+            left: None,
+        };
+        self.walk(start, u, &mut path);
+        path
+    }
+
+    /// Adds to `path` the light that arrives along a step.
+    fn walk<C: Coordinates>(&self, mut step: Step, u: &mut C, path: &mut Path) {
+        let technique = &self.technique;
+        while step.throughput != DVec3::ZERO {
+            path.rays += 1;
+            let Some(hit) = self.scene.intersect(&step.ray) else {
+                path.radiance += step.throughput * self.scene.environment();
+                return;
+            };
+            let outgoing = -step.ray.direction;
+            let emitted = self.scene.emitted(hit.primitive, &hit.point, outgoing);
+            if emitted != DVec3::ZERO {
+                path.radiance += step.throughput * emitted * self.share_of_hit(&step, &hit);
+            }
+
+            let vertices = step.vertices + 1;
+            let here = Vertex::new(self.scene, &hit, outgoing);
+            if technique.max_vertices == Some(vertices)
+                || here.surface.is_black()
+                || step.throughput.max_element() < technique.threshold
+            {
+                return;
+            }
+            path.radiance += step.throughput * self.direct(&here, u, &mut path.rays);
+
+            let chance = technique.roulette.chance(step.throughput, vertices);
+            if chance < 1.0 && u.next_1d() >= chance {
+                return;
+            }
+            let share = step.throughput / (chance * f64::from(self.rays));
+            for ray in 0..self.rays {
+                let xi = technique.layout.point(ray, u);
+                let scatter =
+                    here.surface
+                        .scatter(technique.directions, here.normal, outgoing, xi, u);
+                let next = Step {
+                    ray: hit.point.ray(scatter.direction),
+                    throughput: share * scatter.weight,
+                    vertices,
+                    left: scatter.density.map(|density| (hit.point.position, density)),
+                };
+                // The last goes on here, so that a single path needs no stack.
+                if ray + 1 < self.rays {
+                    self.walk(next, u, path);
+                } else {
+                    step = next;
+                }
+            }
+        }
+    }
+
+    /// How much of a light that is hit counts: all of it where it could not
+    /// have been sampled.
+    #[inline]
+    fn share_of_hit(&self, step: &Step, hit: &Hit) -> f64 {
+        match (self.technique.direct, step.left) {
+            (Direct::Hit, _) | (_, None) => 1.0,
+            (Direct::Light(_), Some(_)) => 0.0,
+            (Direct::Both(lights, heuristic), Some((from, density))) => {
+                let by_light = lights.expected(self.scene, hit.primitive)
+                    * self
+                        .scene
+                        .light_density(hit.primitive, lights.points, from, &hit.point);
+                heuristic.weight(f64::from(self.rays) * density, by_light)
+            }
+        }
+    }
+
+    /// The light reflected at a vertex that comes straight from lights, as far
+    /// as these are sampled.
+    #[inline]
+    fn direct<C: Coordinates>(&self, here: &Vertex<'_>, u: &mut C, rays: &mut u64) -> DVec3 {
+        let (Direct::Light(lights) | Direct::Both(lights, _)) = self.technique.direct else {
+            return DVec3::ZERO;
+        };
+        if here.surface.is_specular() {
+            return DVec3::ZERO;
+        }
+        match (lights.choice, self.scene.by_power()) {
+            (_, None) => DVec3::ZERO,
+            (Choice::One, Some(by_power)) => {
+                let light = self.scene.lights()[by_power.sample(u.next_1d()).point];
+                self.light(here, lights, light, u, rays)
+            }
+            (Choice::All { samples }, Some(_)) => {
+                let mut sum = DVec3::ZERO;
+                for &light in self.scene.lights() {
+                    for _ in 0..samples {
+                        sum += self.light(here, lights, light, u, rays);
+                    }
+                }
+                sum
+            }
+        }
+    }
+
+    /// f Lₑ cos θ/(n p) at a sampled point of a light, if nothing stands
+    /// between.
+    #[inline]
+    fn light<C: Coordinates>(
+        &self,
+        here: &Vertex<'_>,
+        lights: Lights,
+        light: usize,
+        u: &mut C,
+        rays: &mut u64,
+    ) -> DVec3 {
+        let x = &here.hit.point;
+        let sample = self
+            .scene
+            .sample_light(light, lights.points, x.position, u.next_2d());
+        let cos = here.normal.dot(sample.direction);
+        let emitted = self.scene.emitted(light, &sample.point, -sample.direction);
+        if cos <= 0.0 || emitted == DVec3::ZERO {
+            return DVec3::ZERO;
+        }
+        let by_light = lights.expected(self.scene, light) * sample.density;
+        let weight = match self.technique.direct {
+            Direct::Both(_, heuristic) => {
+                let density = here.surface.density(
+                    self.technique.directions,
+                    here.normal,
+                    here.outgoing,
+                    sample.direction,
+                );
+                heuristic.weight(by_light, f64::from(self.rays) * density)
+            }
+            _ => 1.0,
+        };
+        let f = here
+            .surface
+            .evaluate(here.normal, here.outgoing, sample.direction);
+        let arriving = f * emitted * (weight * cos / by_light);
+        if arriving == DVec3::ZERO {
+            return arriving;
+        }
+        *rays += 1;
+        if self.scene.visible(x, &sample.point) {
+            arriving
+        } else {
+            DVec3::ZERO
+        }
+    }
+}
+
+/// What a path has found.
+#[derive(Default)]
+struct Path {
+    radiance: DVec3,
+    rays: u64,
+}
+
+/// A ray of a path.
+struct Step {
+    ray: Ray,
+    /// What radiance that arrives along it is worth at the start of the path.
+    throughput: DVec3,
+    /// How many vertices came before.
+    vertices: u32,
+    /// Where it left from and with which density per steradian; `None` from a
+    /// camera or a mirror.
+    left: Option<(DVec3, f64)>,
+}
+
+/// A vertex of a path, seen from where the path came.
+struct Vertex<'a> {
+    hit: &'a Hit,
+    surface: &'a Surface,
+    outgoing: DVec3,
+    /// The normal on the side of `outgoing`.
+    normal: DVec3,
+}
+
+impl<'a> Vertex<'a> {
+    #[inline]
+    fn new(scene: &'a Scene, hit: &'a Hit, outgoing: DVec3) -> Self {
+        let normal = hit.point.normal;
+        Self {
+            hit,
+            surface: &scene.primitives()[hit.primitive].surface,
+            outgoing,
+            normal: if normal.dot(outgoing) < 0.0 {
+                -normal
+            } else {
+                normal
+            },
+        }
+    }
+}
+
+/// [`Radiance`] along one ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Along<'a> {
+    radiance: Radiance<'a>,
+    ray: Ray,
+}
+
+impl Along<'_> {
+    /// How many rays a path takes, the first and those to lights included: an
+    /// estimator.
+    #[must_use]
+    pub fn rays(self) -> FromFn<impl Fn(&mut dyn Coordinates) -> f64> {
+        FromFn(move |mut u: &mut dyn Coordinates| self.radiance.trace(self.ray, &mut u).rays as f64)
+    }
+}
+
+impl Estimator for Along<'_> {
+    type Value = DVec3;
+
+    #[inline]
+    fn estimate<C: Coordinates>(&self, u: &mut C) -> DVec3 {
+        self.radiance.trace(self.ray, u).radiance
+    }
+}
+
+/// [`Radiance`] at the film of a camera: the first two coordinates are the
+/// position on the film, from the left and from the top.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen<'a> {
+    radiance: Radiance<'a>,
+    camera: Camera,
+}
+
+impl Seen<'_> {
+    /// How many rays a path takes, the first and those to lights included: an
+    /// estimator.
+    #[must_use]
+    pub fn rays(self) -> FromFn<impl Fn(&mut dyn Coordinates) -> f64> {
+        FromFn(move |mut u: &mut dyn Coordinates| self.trace(&mut u).rays as f64)
+    }
+
+    #[inline]
+    fn trace<C: Coordinates>(&self, u: &mut C) -> Path {
+        let [x, y] = u.next_2d();
+        self.radiance.trace(self.camera.ray(x, y), u)
+    }
+}
+
+impl Estimator for Seen<'_> {
+    type Value = DVec3;
+
+    #[inline]
+    fn estimate<C: Coordinates>(&self, u: &mut C) -> DVec3 {
+        self.trace(u).radiance
+    }
+}

@@ -1,0 +1,300 @@
+//! What a surface does with light.
+
+use core::f64::consts::FRAC_1_PI;
+use core::fmt;
+
+use glam::DVec3;
+
+use super::Frame;
+use crate::pdf::{CosineHemisphere, CosinePowerHemisphere, Pdf, UniformHemisphere};
+use crate::sampler::Coordinates;
+
+/// How a surface reflects: a sum of a diffuse part, a glossy lobe and a mirror.
+///
+/// ```text
+/// f(ωₒ, ωᵢ) = k_d/π + k_s (n + 2)/2π · cosⁿ α + k_m δ(ωᵢ − ωᵣ)/cos θᵢ
+/// ```
+///
+/// per steradian, for each colour; ωᵣ is the mirror image of ωₒ, α the angle
+/// between ωᵢ and ωᵣ where that is acute. Both sides reflect. No energy is made:
+/// k_d + k_s + k_m ≤ 1.
+///
+/// # Example
+///
+/// ```
+/// use estimand::render::Surface;
+/// use glam::DVec3;
+///
+/// let white = Surface::lambertian(DVec3::splat(0.7))?;
+/// let f = white.evaluate(DVec3::Y, DVec3::Y, DVec3::Y);
+/// assert!((f.x - 0.7 / core::f64::consts::PI).abs() < 1e-16);
+/// # Ok::<(), estimand::render::SurfaceError>(())
+/// ```
+///
+/// Source: Lafortune & Willems, *Using the Modified Phong Reflectance Model for
+/// Physically Based Rendering* (1994).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    diffuse: DVec3,
+    glossy: Option<Glossy>,
+    mirror: DVec3,
+    /// k_d + k_s + k_m
+    total: DVec3,
+    /// The chance that a path takes the mirror.
+    mirror_chance: f64,
+}
+
+/// The lobe about the mirror image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Glossy {
+    /// k_s (n + 2)/(n + 1), so that f is this times the density of the lobe.
+    scale: DVec3,
+    pdf: CosinePowerHemisphere,
+    /// The chance that a path that does not take the mirror takes the lobe.
+    chance: f64,
+}
+
+/// Why a surface could not be made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum SurfaceError {
+    /// A reflectance, or the sum of all, does not lie in [0, 1] for each colour.
+    Reflectance(DVec3),
+    /// The exponent does not lie in [0, 10¹²].
+    Exponent(f64),
+}
+
+impl fmt::Display for SurfaceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Reflectance(k) => write!(f, "{k} is not a reflectance: each in [0, 1]"),
+            Self::Exponent(n) => write!(f, "the exponent must lie in [0, 1e12], not be {n}"),
+        }
+    }
+}
+
+impl core::error::Error for SurfaceError {}
+
+/// Where a surface sends a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scatter {
+    /// The direction, ωᵢ.
+    pub direction: DVec3,
+    /// f cos θᵢ/p, what the radiance from there is worth here.
+    pub weight: DVec3,
+    /// p(ωᵢ) per steradian; `None` of a mirror, which has but one direction.
+    pub density: Option<f64>,
+}
+
+/// The pdf that a path goes on with, among those of the lectures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Directions {
+    /// 1/2π
+    Uniform,
+    /// cos θ/π
+    Cosine,
+    /// That of the surface: cos θ/π for what is diffuse, (n + 1)/2π cosⁿ α for
+    /// the lobe, in proportion to their reflectances.
+    #[default]
+    Surface,
+}
+
+impl Surface {
+    /// A surface that reflects nothing.
+    #[must_use]
+    pub const fn black() -> Self {
+        Self {
+            diffuse: DVec3::ZERO,
+            glossy: None,
+            mirror: DVec3::ZERO,
+            total: DVec3::ZERO,
+            mirror_chance: 0.0,
+        }
+    }
+
+    /// A diffuse surface: f = `albedo`/π.
+    ///
+    /// # Errors
+    ///
+    /// `albedo` lies in [0, 1] for each colour.
+    pub fn lambertian(albedo: DVec3) -> Result<Self, SurfaceError> {
+        Self::new(albedo, DVec3::ZERO, 1.0, DVec3::ZERO)
+    }
+
+    /// A perfect mirror.
+    ///
+    /// # Errors
+    ///
+    /// `reflectance` lies in [0, 1] for each colour.
+    pub fn mirror(reflectance: DVec3) -> Result<Self, SurfaceError> {
+        Self::new(DVec3::ZERO, DVec3::ZERO, 1.0, reflectance)
+    }
+
+    /// The sum of a diffuse part, a lobe with this exponent and a mirror.
+    ///
+    /// # Errors
+    ///
+    /// Each reflectance and their sum lie in [0, 1] for each colour, and
+    /// 0 ≤ `exponent` ≤ 10¹².
+    pub fn new(
+        diffuse: DVec3,
+        glossy: DVec3,
+        exponent: f64,
+        mirror: DVec3,
+    ) -> Result<Self, SurfaceError> {
+        // The sum of decimal fractions, .7 + .2 + .1, may pass 1.
+        let most = 1.0 + 2.0 * f64::EPSILON;
+        let total = diffuse + glossy + mirror;
+        for k in [diffuse, glossy, mirror, total] {
+            if !k.to_array().iter().all(|k| (0.0..=most).contains(k)) {
+                return Err(SurfaceError::Reflectance(k));
+            }
+        }
+        let pdf =
+            CosinePowerHemisphere::new(exponent).map_err(|_| SurfaceError::Exponent(exponent))?;
+        let [d, s, m] = [diffuse, glossy, mirror].map(DVec3::max_element);
+        let chance = |part: f64, rest: f64| {
+            if part > 0.0 {
+                part / (part + rest)
+            } else {
+                0.0
+            }
+        };
+        Ok(Self {
+            diffuse,
+            glossy: (s > 0.0).then(|| Glossy {
+                scale: glossy * ((exponent + 2.0) / (exponent + 1.0)),
+                pdf,
+                chance: chance(s, d),
+            }),
+            mirror,
+            total,
+            mirror_chance: chance(m, d + s),
+        })
+    }
+
+    /// Whether it reflects nothing.
+    #[must_use]
+    #[inline]
+    pub fn is_black(&self) -> bool {
+        self.total == DVec3::ZERO
+    }
+
+    /// Whether it keeps something of what it receives, in each colour.
+    pub(super) fn absorbs(&self) -> bool {
+        self.total.max_element() < 1.0
+    }
+
+    /// Whether it reflects in the direction of the mirror alone, where light
+    /// that is sampled never is.
+    #[must_use]
+    #[inline]
+    pub fn is_specular(&self) -> bool {
+        self.mirror_chance == 1.0
+    }
+
+    /// f(ωₒ, ωᵢ) without the mirror. Zero unless both lie above the surface, on
+    /// the side of `normal`; all are unit vectors.
+    #[must_use]
+    #[inline]
+    pub fn evaluate(&self, normal: DVec3, outgoing: DVec3, incoming: DVec3) -> DVec3 {
+        if normal.dot(incoming) <= 0.0 || normal.dot(outgoing) <= 0.0 {
+            return DVec3::ZERO;
+        }
+        let diffuse = self.diffuse * FRAC_1_PI;
+        match &self.glossy {
+            None => diffuse,
+            Some(g) => diffuse + g.scale * g.density(normal, outgoing, incoming),
+        }
+    }
+
+    /// The density with which [`scatter`](Self::scatter) takes the direction
+    /// `incoming`, per steradian; the mirror's chance is missing from its
+    /// integral.
+    #[must_use]
+    #[inline]
+    pub fn density(
+        &self,
+        directions: Directions,
+        normal: DVec3,
+        outgoing: DVec3,
+        incoming: DVec3,
+    ) -> f64 {
+        let cos = normal.dot(incoming);
+        if cos <= 0.0 {
+            return 0.0;
+        }
+        let p = match (directions, &self.glossy) {
+            (Directions::Uniform, _) => FRAC_1_PI * 0.5,
+            (Directions::Surface, Some(g)) => {
+                let lobe = g.density(normal, outgoing, incoming);
+                g.chance * lobe + (1.0 - g.chance) * FRAC_1_PI * cos
+            }
+            _ => FRAC_1_PI * cos,
+        };
+        (1.0 - self.mirror_chance) * p
+    }
+
+    /// Where a path that came in along `outgoing` goes on to: drawn from
+    /// `directions` at `xi`, or the mirror's image. The choice between several
+    /// parts reads further coordinates from `u`.
+    #[inline]
+    pub fn scatter<C: Coordinates>(
+        &self,
+        directions: Directions,
+        normal: DVec3,
+        outgoing: DVec3,
+        xi: [f64; 2],
+        u: &mut C,
+    ) -> Scatter {
+        if self.mirror_chance > 0.0 && chosen(self.mirror_chance, u) {
+            return Scatter {
+                direction: reflect(normal, outgoing),
+                weight: self.mirror / self.mirror_chance,
+                density: None,
+            };
+        }
+        let about = |axis, local: [f64; 3]| Frame::new(axis).world(local);
+        let direction = match (directions, &self.glossy) {
+            (Directions::Uniform, _) => about(normal, UniformHemisphere.sample(xi).point),
+            (Directions::Surface, Some(g)) if chosen(g.chance, u) => {
+                about(reflect(normal, outgoing), g.pdf.sample(xi).point)
+            }
+            _ => about(normal, CosineHemisphere.sample(xi).point),
+        };
+        let density = self.density(directions, normal, outgoing, direction);
+        let weight = if self.glossy.is_none() && directions != Directions::Uniform {
+            // ρ/π cos θ / (cos θ/π), without rounding.
+            self.diffuse / (1.0 - self.mirror_chance)
+        } else {
+            let cos = normal.dot(direction);
+            self.evaluate(normal, outgoing, direction) * (cos / density)
+        };
+        Scatter {
+            direction,
+            // Below the horizon nothing is reflected, and 0/0 is no number.
+            weight: if density > 0.0 { weight } else { DVec3::ZERO },
+            density: Some(density),
+        }
+    }
+}
+
+impl Glossy {
+    #[inline]
+    fn density(&self, normal: DVec3, outgoing: DVec3, incoming: DVec3) -> f64 {
+        let frame = Frame::new(reflect(normal, outgoing));
+        self.pdf.density(&frame.local(incoming))
+    }
+}
+
+/// True with this chance; without a draw where it is certain.
+#[inline]
+fn chosen<C: Coordinates>(chance: f64, u: &mut C) -> bool {
+    chance == 1.0 || u.next_1d() < chance
+}
+
+/// The mirror image of `w` about `normal`.
+#[inline]
+fn reflect(normal: DVec3, w: DVec3) -> DVec3 {
+    (2.0 * normal.dot(w)) * normal - w
+}
