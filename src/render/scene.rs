@@ -4,6 +4,7 @@ use core::fmt;
 
 use glam::DVec3;
 
+use super::shape::Packed;
 use super::{Ray, Shape, Surface, SurfacePoint};
 use crate::pdf::{Discrete, Pdf};
 
@@ -67,6 +68,7 @@ impl Primitive {
 #[derive(Clone, Debug)]
 pub struct Scene {
     primitives: Vec<Primitive>,
+    packed: Packed,
     environment: DVec3,
     /// Which primitives emit, and the choice of one by power.
     lights: Vec<usize>,
@@ -164,6 +166,7 @@ impl Scene {
             shares[primitive] = by_power.as_ref().map_or(0.0, |p| p.density(&index));
         }
         Ok(Self {
+            packed: Packed::new(primitives.iter().map(|p| &p.shape)),
             primitives,
             environment: DVec3::ZERO,
             lights,
@@ -227,17 +230,10 @@ impl Scene {
     #[must_use]
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        let mut distance = f64::INFINITY;
-        let mut nearest = None;
-        for (primitive, p) in self.primitives.iter().enumerate() {
-            if let Some(d) = p.shape.intersect(ray, distance) {
-                distance = d;
-                nearest = Some((primitive, p));
-            }
-        }
-        nearest.map(|(primitive, p)| Hit {
+        let (distance, primitive) = self.packed.nearest(ray, f64::INFINITY)?;
+        Some(Hit {
             distance,
-            point: p.shape.point_at(ray, distance),
+            point: self.primitives[primitive].shape.point_at(ray, distance),
             primitive,
         })
     }
@@ -254,10 +250,7 @@ impl Scene {
             origin,
             direction: to / distance,
         };
-        !self
-            .primitives
-            .iter()
-            .any(|p| p.shape.intersect(&ray, distance).is_some())
+        self.packed.nearest(&ray, distance).is_none()
     }
 
     /// Lₑ at a point of this primitive in the direction `outgoing`.

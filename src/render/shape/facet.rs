@@ -9,14 +9,14 @@ use crate::render::Ray;
 /// The points corner + a u + b v of a plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Facet {
-    corner: DVec3,
+    pub(super) corner: DVec3,
     edge_u: DVec3,
     edge_v: DVec3,
     /// The dual basis: a and b are its products with x − corner.
-    dual_u: DVec3,
-    dual_v: DVec3,
+    pub(super) dual_u: DVec3,
+    pub(super) dual_v: DVec3,
     /// unit(u × v)
-    normal: DVec3,
+    pub(super) normal: DVec3,
     error: f64,
 }
 

@@ -4,11 +4,13 @@
 //! area, whose points are [`SurfacePoint`]s.
 
 mod facet;
+mod packed;
 mod quad;
 mod sphere;
 mod surface_point;
 mod triangle;
 
+pub(super) use packed::Packed;
 pub use quad::Quad;
 pub use sphere::{Sphere, SphereCone};
 pub use surface_point::SurfacePoint;

@@ -29,7 +29,7 @@ use crate::render::Ray;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quad {
-    facet: Facet,
+    pub(super) facet: Facet,
     density: f64,
 }
 

@@ -32,8 +32,8 @@ use crate::render::{Frame, Ray};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
-    center: DVec3,
-    radius: f64,
+    pub(super) center: DVec3,
+    pub(super) radius: f64,
     /// 1 where the normal points outwards, −1 where inwards.
     facing: f64,
     density: f64,
@@ -108,14 +108,13 @@ impl Sphere {
         }
         // Positive outside: the product of the roots.
         let product = to_center.length_squared() - square;
-        let root = delta.sqrt();
-        let distance = if b > 0.0 {
-            let far = b + root;
-            if product > 0.0 { product / far } else { far }
-        } else {
-            // Outside and going away, both are negative; inside, the far one
-            // is positive.
-            -product / (root - b)
+        let sum = delta.sqrt() + b.abs();
+        let distance = match (product > 0.0, b > 0.0) {
+            (true, true) => product / sum,
+            // Outside and going away.
+            (true, false) => return None,
+            (false, true) => sum,
+            (false, false) => -product / sum,
         };
         (distance > 0.0 && distance < limit).then_some(distance)
     }

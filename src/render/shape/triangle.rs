@@ -33,7 +33,7 @@ use crate::render::Ray;
 /// Source: Heitz, *A Low-Distortion Map Between Triangle and Square* (2019).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triangle {
-    facet: Facet,
+    pub(super) facet: Facet,
     density: f64,
 }
 
