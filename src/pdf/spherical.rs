@@ -2,10 +2,56 @@
 
 use core::f64::consts::TAU;
 
+/// (sin 2πt, cos 2πt), t in [0, 1), to within 2⁻⁵².
+///
+/// A turn is cut into quarters exactly, where an angle would first have to be
+/// rounded and then reduced; and only products and sums are left, the same on
+/// every platform. The polynomials, in the square of the distance from the
+/// middle of a quarter, are those of least error in 50 digits, by Remez'
+/// algorithm: 3·10⁻¹⁸ and 3·10⁻²⁰.
+#[inline]
+fn sin_cos_turn(t: f64) -> (f64, f64) {
+    const SIN: [f64; 7] = [
+        1.5707963267948966,
+        -0.6459640975062443,
+        0.07969262624603957,
+        -0.004681754132282415,
+        0.0001604411502916307,
+        -3.5986417543874945e-6,
+        5.6337210053764296e-8,
+    ];
+    const COS: [f64; 8] = [
+        1.0,
+        -1.2337005501361697,
+        0.2536695079010467,
+        -0.020863480763311227,
+        0.0009192602741833661,
+        -2.5202036771694383e-5,
+        4.7106097626584307e-7,
+        -6.321260972436187e-9,
+    ];
+    let quarters = 4.0 * t;
+    let nearest = (quarters + 0.5) as u32;
+    let r = quarters - f64::from(nearest);
+    let square = r * r;
+    let horner = |c: &[f64]| c.iter().rev().fold(0.0, |p, c| p * square + c);
+    let (sin, cos) = (r * horner(&SIN), horner(&COS));
+    let (sin, cos) = if nearest & 1 == 0 {
+        (sin, cos)
+    } else {
+        (cos, -sin)
+    };
+    if nearest & 2 == 0 {
+        (sin, cos)
+    } else {
+        (-sin, -cos)
+    }
+}
+
 /// (sin θ cos φ, sin θ sin φ, cos θ), with φ = 2π `turn`.
 #[inline]
 pub(super) fn direction(cos_theta: f64, sin_theta: f64, turn: f64) -> [f64; 3] {
-    let (sin_phi, cos_phi) = (TAU * turn).sin_cos();
+    let (sin_phi, cos_phi) = sin_cos_turn(turn);
     [sin_theta * cos_phi, sin_theta * sin_phi, cos_theta]
 }
 
@@ -115,6 +161,25 @@ pub(super) mod check {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sines_of_turns_are_those_of_angles() {
+        for i in 0..=100_000 {
+            let t = (f64::from(i) / 100_000.0).min(1.0 - f64::EPSILON / 2.0);
+            // From the nearest half turn, so that the angle is exact enough.
+            let half = (2.0 * t).round();
+            let (sin, cos) = (TAU * (t - 0.5 * half)).sin_cos();
+            let sign = if half == 1.0 { -1.0 } else { 1.0 };
+            let (s, c) = sin_cos_turn(t);
+            assert!((s - sign * sin).abs() <= 2.5e-16, "{t} {s} {sin}");
+            assert!((c - sign * cos).abs() <= 2.5e-16, "{t} {c} {cos}");
+        }
+        assert_eq!(sin_cos_turn(0.0), (0.0, 1.0));
+        assert_eq!(sin_cos_turn(0.25), (1.0, 0.0));
+        assert_eq!(sin_cos_turn(0.5), (0.0, -1.0));
+        assert_eq!(sin_cos_turn(0.75), (-1.0, 0.0));
+        assert!(sin_cos_turn(f64::NAN).0.is_nan() && sin_cos_turn(f64::NAN).1.is_nan());
+    }
 
     #[test]
     fn a_turn_never_reaches_one() {

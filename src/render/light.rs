@@ -33,7 +33,8 @@ pub struct LightSample {
 /// p(ω) = p(x′) ‖x′ − x‖²/cos θ′
 /// ```
 ///
-/// Infinite where the area is seen from its edge.
+/// `to_point` is x′ − x, `normal` that of the area at x′. Infinite where the
+/// area is seen from its edge.
 ///
 /// # Example
 ///
@@ -73,7 +74,7 @@ impl Scene {
             let Sample { point, density } = cone.sample(u);
             return LightSample {
                 point,
-                direction: (point.position - from).normalize_or_zero(),
+                direction: (point.position - from).normalize(),
                 density,
             };
         }
@@ -81,7 +82,7 @@ impl Scene {
         let to = point.position - from;
         LightSample {
             point,
-            direction: to.normalize_or_zero(),
+            direction: to.normalize(),
             density: solid_angle_density(density, to, point.normal),
         }
     }

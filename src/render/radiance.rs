@@ -128,24 +128,37 @@ impl<'a> Radiance<'a> {
                 return;
             }
             let share = step.throughput / (chance * f64::from(self.rays));
-            for ray in 0..self.rays {
-                let xi = technique.layout.point(ray, u);
-                let scatter =
-                    here.surface
-                        .scatter(technique.directions, here.normal, outgoing, xi, u);
-                let next = Step {
-                    ray: hit.point.ray(scatter.direction),
-                    throughput: share * scatter.weight,
-                    vertices,
-                    left: scatter.density.map(|density| (hit.point.position, density)),
-                };
-                // The last goes on here, so that a single path needs no stack.
-                if ray + 1 < self.rays {
-                    self.walk(next, u, path);
-                } else {
-                    step = next;
-                }
+            // All but the last go their own ways; the last goes on here, so
+            // that a single path needs no stack.
+            for ray in 1..self.rays {
+                let aside = self.next(&here, share, vertices, ray, u);
+                self.walk(aside, u, path);
             }
+            step = self.next(&here, share, vertices, 0, u);
+        }
+    }
+
+    /// The step in which one of the rays of a vertex goes on.
+    #[inline]
+    fn next<C: Coordinates>(
+        &self,
+        here: &Vertex<'_>,
+        share: DVec3,
+        vertices: u32,
+        ray: u32,
+        u: &mut C,
+    ) -> Step {
+        let xi = self.technique.layout.point(ray, u);
+        let directions = self.technique.directions;
+        let scatter = here
+            .surface
+            .scatter(directions, here.normal, here.outgoing, xi, u);
+        let x = &here.hit.point;
+        Step {
+            ray: x.ray(scatter.direction),
+            throughput: share * scatter.weight,
+            vertices,
+            left: scatter.density.map(|density| (x.position, density)),
         }
     }
 

@@ -6,7 +6,7 @@ use core::fmt;
 use glam::DVec3;
 
 use super::Frame;
-use crate::pdf::{CosineHemisphere, CosinePowerHemisphere, Pdf, UniformHemisphere};
+use crate::pdf::{CosineHemisphere, CosinePowerHemisphere, Pdf, Sample, UniformHemisphere};
 use crate::sampler::Coordinates;
 
 /// How a surface reflects: a sum of a diffuse part, a glossy lobe and a mirror.
@@ -255,21 +255,28 @@ impl Surface {
             };
         }
         let about = |axis, local: [f64; 3]| Frame::new(axis).world(local);
+        let rest = 1.0 - self.mirror_chance;
         let direction = match (directions, &self.glossy) {
             (Directions::Uniform, _) => about(normal, UniformHemisphere.sample(xi).point),
             (Directions::Surface, Some(g)) if chosen(g.chance, u) => {
                 about(reflect(normal, outgoing), g.pdf.sample(xi).point)
             }
-            _ => about(normal, CosineHemisphere.sample(xi).point),
+            (Directions::Cosine, Some(_)) | (Directions::Surface, Some(_)) => {
+                about(normal, CosineHemisphere.sample(xi).point)
+            }
+            (_, None) => {
+                // f cos θ/p = ρ/π cos θ/(cos θ/π), without rounding.
+                let Sample { point, density } = CosineHemisphere.sample(xi);
+                return Scatter {
+                    direction: about(normal, point),
+                    weight: self.diffuse / rest,
+                    density: Some(rest * density),
+                };
+            }
         };
         let density = self.density(directions, normal, outgoing, direction);
-        let weight = if self.glossy.is_none() && directions != Directions::Uniform {
-            // ρ/π cos θ / (cos θ/π), without rounding.
-            self.diffuse / (1.0 - self.mirror_chance)
-        } else {
-            let cos = normal.dot(direction);
-            self.evaluate(normal, outgoing, direction) * (cos / density)
-        };
+        let cos = normal.dot(direction);
+        let weight = self.evaluate(normal, outgoing, direction) * (cos / density);
         Scatter {
             direction,
             // Below the horizon nothing is reflected, and 0/0 is no number.

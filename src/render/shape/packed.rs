@@ -1,6 +1,7 @@
 //! Shapes side by side, for rays that meet all of them.
 
 use glam::DVec3;
+use wide::f64x2;
 
 use super::Shape;
 use super::facet::Facet;
@@ -10,12 +11,8 @@ use crate::render::Ray;
 /// processor hold.
 const LANES: usize = 2;
 
-/// One number for each lane.
-type Lanes = [f64; LANES];
-
-/// All shapes of a scene, by kind, in a form that compilers turn into vector
-/// instructions. Distances are, to the bit, those of
-/// [`Shape::intersect`].
+/// All shapes of a scene, by kind, for vector instructions. Distances are, to
+/// the bit, those of [`Shape::intersect`].
 #[derive(Clone, Debug, Default)]
 pub(in crate::render) struct Packed {
     facets: Vec<FacetPack>,
@@ -26,40 +23,41 @@ pub(in crate::render) struct Packed {
 /// 0/0.
 #[derive(Clone, Copy, Debug)]
 struct FacetPack {
-    corner: [Lanes; 3],
-    normal: [Lanes; 3],
-    dual_u: [Lanes; 3],
-    dual_v: [Lanes; 3],
+    corner: Vectors,
+    normal: Vectors,
+    dual_u: Vectors,
+    dual_v: Vectors,
     /// The most that a + b may be: 1 in a triangle, 2 in a parallelogram.
-    most: Lanes,
-    index: [u64; LANES],
+    most: f64x2,
+    index: f64x2,
 }
 
 /// Spheres. A lane without one has a squared radius below 0, which no line
 /// meets.
 #[derive(Clone, Copy, Debug)]
 struct SpherePack {
-    center: [Lanes; 3],
-    square: Lanes,
-    index: [u64; LANES],
+    center: Vectors,
+    square: f64x2,
+    index: f64x2,
 }
 
 /// The nearest shape so far, in each lane.
-#[derive(Clone, Copy)]
 struct Nearest {
-    distance: Lanes,
-    index: [u64; LANES],
+    distance: f64x2,
+    /// Its number: a float, for vectors of one kind.
+    index: f64x2,
 }
 
 impl Packed {
     pub(in crate::render) fn new<'a>(shapes: impl Iterator<Item = &'a Shape>) -> Self {
-        let mut facets: Vec<(u64, Facet, f64)> = Vec::new();
+        let mut facets = Vec::new();
         let mut spheres = Vec::new();
-        for (index, shape) in (0..).zip(shapes) {
+        for (index, shape) in shapes.enumerate() {
+            let index = index as f64;
             match shape {
-                Shape::Quad(s) => facets.push((index, s.facet, 2.0)),
-                Shape::Triangle(s) => facets.push((index, s.facet, 1.0)),
-                Shape::Sphere(s) => spheres.push((index, s.center, s.radius * s.radius)),
+                Shape::Quad(s) => facets.push((s.facet, 2.0, index)),
+                Shape::Triangle(s) => facets.push((s.facet, 1.0, index)),
+                Shape::Sphere(s) => spheres.push((s.center, s.radius * s.radius, index)),
             }
         }
         Self {
@@ -72,124 +70,152 @@ impl Packed {
     /// the number of that shape.
     #[inline]
     pub(in crate::render) fn nearest(&self, ray: &Ray, limit: f64) -> Option<(f64, usize)> {
-        let o = ray.origin.to_array();
-        let d = ray.direction.to_array();
+        let origin = Vectors::splat(ray.origin);
+        let direction = Vectors::splat(ray.direction);
         let mut best = Nearest {
-            distance: [limit; LANES],
-            index: [0; LANES],
+            distance: f64x2::splat(limit),
+            index: f64x2::ZERO,
         };
         for pack in &self.facets {
-            pack.nearest(o, d, &mut best);
+            best.take(pack.distance(&origin, &direction), pack.index);
         }
         for pack in &self.spheres {
-            pack.nearest(o, d, &mut best);
+            best.take(pack.distance(&origin, &direction), pack.index);
         }
-        let mut nearest = (limit, 0);
-        for l in 0..LANES {
-            if best.distance[l] < nearest.0 {
-                nearest = (best.distance[l], best.index[l] as usize);
-            }
-        }
-        (nearest.0 < limit).then_some(nearest)
+        let [[d, e], [i, j]] = [best.distance.to_array(), best.index.to_array()];
+        let (distance, index) = if d <= e { (d, i) } else { (e, j) };
+        (distance < limit).then_some((distance, index as usize))
     }
 }
 
-/// The coordinates of up to `LANES` vectors, side by side.
-fn transpose(vectors: impl Iterator<Item = DVec3>) -> [Lanes; 3] {
-    let mut lanes = [[0.0; LANES]; 3];
-    for (l, v) in vectors.enumerate() {
-        for (axis, x) in lanes.iter_mut().zip(v.to_array()) {
-            axis[l] = x;
-        }
+impl Nearest {
+    /// Takes those distances that are positive and less than what there is.
+    #[inline(always)]
+    fn take(&mut self, distance: f64x2, index: f64x2) {
+        let nearer = distance.simd_gt(f64x2::ZERO) & distance.simd_lt(self.distance);
+        self.distance = nearer.select(distance, self.distance);
+        self.index = nearer.select(index, self.index);
     }
-    lanes
-}
-
-#[inline(always)]
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline(always)]
-fn lane(v: &[Lanes; 3], l: usize) -> [f64; 3] {
-    [v[0][l], v[1][l], v[2][l]]
 }
 
 impl FacetPack {
-    fn new(facets: &[(u64, Facet, f64)]) -> Self {
-        let of = |part: fn(&Facet) -> DVec3| transpose(facets.iter().map(|(_, f, _)| part(f)));
-        let mut pack = Self {
+    fn new(facets: &[(Facet, f64, f64)]) -> Self {
+        let of = |part: fn(&Facet) -> DVec3| Vectors::new(facets.iter().map(|(f, ..)| part(f)));
+        Self {
             corner: of(|f| f.corner),
             normal: of(|f| f.normal),
             dual_u: of(|f| f.dual_u),
             dual_v: of(|f| f.dual_v),
-            most: [0.0; LANES],
-            index: [0; LANES],
-        };
-        for (l, &(index, _, most)) in facets.iter().enumerate() {
-            (pack.index[l], pack.most[l]) = (index, most);
+            most: lanes(facets.iter().map(|f| f.1), 0.0),
+            index: lanes(facets.iter().map(|f| f.2), 0.0),
         }
-        pack
     }
 
+    /// Where the ray meets the shapes; negative or NaN where it does not.
     #[inline(always)]
-    fn nearest(&self, o: [f64; 3], d: [f64; 3], best: &mut Nearest) {
-        for l in 0..LANES {
-            let c = lane(&self.corner, l);
-            let n = lane(&self.normal, l);
-            let to = [c[0] - o[0], c[1] - o[1], c[2] - o[2]];
-            let t = dot(n, to) / dot(n, d);
-            let from = [d[0] * t - to[0], d[1] * t - to[1], d[2] * t - to[2]];
-            let a = dot(lane(&self.dual_u, l), from);
-            let b = dot(lane(&self.dual_v, l), from);
-            let met = (t > 0.0)
-                & (t < best.distance[l])
-                & (a >= 0.0)
-                & (b >= 0.0)
-                & (a <= 1.0)
-                & (b <= 1.0)
-                & (a + b <= self.most[l]);
-            best.distance[l] = if met { t } else { best.distance[l] };
-            best.index[l] = if met { self.index[l] } else { best.index[l] };
-        }
+    fn distance(&self, origin: &Vectors, direction: &Vectors) -> f64x2 {
+        let to = self.corner.minus(origin);
+        let distance = self.normal.dot(&to) / self.normal.dot(direction);
+        let from = direction.times(distance).minus(&to);
+        let a = self.dual_u.dot(&from);
+        let b = self.dual_v.dot(&from);
+        let inside = a.simd_ge(f64x2::ZERO)
+            & b.simd_ge(f64x2::ZERO)
+            & a.simd_le(f64x2::ONE)
+            & b.simd_le(f64x2::ONE)
+            & (a + b).simd_le(self.most);
+        inside.select(distance, MISS)
     }
 }
 
 impl SpherePack {
-    fn new(spheres: &[(u64, DVec3, f64)]) -> Self {
-        let mut pack = Self {
-            center: transpose(spheres.iter().map(|s| s.1)),
-            square: [-1.0; LANES],
-            index: [0; LANES],
-        };
-        for (l, &(index, _, square)) in spheres.iter().enumerate() {
-            (pack.index[l], pack.square[l]) = (index, square);
+    fn new(spheres: &[(DVec3, f64, f64)]) -> Self {
+        Self {
+            center: Vectors::new(spheres.iter().map(|s| s.0)),
+            square: lanes(spheres.iter().map(|s| s.1), -1.0),
+            index: lanes(spheres.iter().map(|s| s.2), 0.0),
         }
-        pack
+    }
+
+    /// As [`FacetPack::distance`].
+    #[inline(always)]
+    fn distance(&self, origin: &Vectors, direction: &Vectors) -> f64x2 {
+        let to = self.center.minus(origin);
+        let b = to.dot(direction);
+        let off = to.minus(&direction.times(b));
+        // NaN where the line passes by.
+        let root = (self.square - off.dot(&off)).sqrt();
+        let product = to.dot(&to) - self.square;
+        let sum = root + b.abs();
+        let outside = product.simd_gt(f64x2::ZERO);
+        let ahead = b.simd_gt(f64x2::ZERO);
+        // Ahead, the near root from outside and the far one from inside;
+        // behind, the far one from inside and none from outside.
+        let ratio = product.abs() / sum;
+        let ahead_of = outside.select(ratio, sum);
+        let behind = outside.select(MISS, ratio);
+        ahead.select(ahead_of, behind)
+    }
+}
+
+const MISS: f64x2 = f64x2::new([-1.0; LANES]);
+
+/// Up to `LANES` numbers, and `rest` where there are fewer.
+fn lanes(numbers: impl Iterator<Item = f64>, rest: f64) -> f64x2 {
+    let mut lanes = [rest; LANES];
+    for (lane, x) in lanes.iter_mut().zip(numbers) {
+        *lane = x;
+    }
+    f64x2::new(lanes)
+}
+
+/// Vectors of space, one in each lane.
+#[derive(Clone, Copy, Debug)]
+struct Vectors {
+    x: f64x2,
+    y: f64x2,
+    z: f64x2,
+}
+
+impl Vectors {
+    /// Up to `LANES` vectors, and 0 where there are fewer.
+    fn new(vectors: impl Iterator<Item = DVec3> + Clone) -> Self {
+        Self {
+            x: lanes(vectors.clone().map(|v| v.x), 0.0),
+            y: lanes(vectors.clone().map(|v| v.y), 0.0),
+            z: lanes(vectors.map(|v| v.z), 0.0),
+        }
     }
 
     #[inline(always)]
-    fn nearest(&self, o: [f64; 3], d: [f64; 3], best: &mut Nearest) {
-        for l in 0..LANES {
-            let c = lane(&self.center, l);
-            let to = [c[0] - o[0], c[1] - o[1], c[2] - o[2]];
-            let b = dot(to, d);
-            let off = [to[0] - d[0] * b, to[1] - d[1] * b, to[2] - d[2] * b];
-            let delta = self.square[l] - dot(off, off);
-            let product = dot(to, to) - self.square[l];
-            // NaN where the line passes by.
-            let sum = delta.sqrt() + b.abs();
-            let ratio = product.abs() / sum;
-            let t = if product > 0.0 {
-                if b > 0.0 { ratio } else { -1.0 }
-            } else if b > 0.0 {
-                sum
-            } else {
-                ratio
-            };
-            let met = (t > 0.0) & (t < best.distance[l]);
-            best.distance[l] = if met { t } else { best.distance[l] };
-            best.index[l] = if met { self.index[l] } else { best.index[l] };
+    fn splat(v: DVec3) -> Self {
+        Self {
+            x: f64x2::splat(v.x),
+            y: f64x2::splat(v.y),
+            z: f64x2::splat(v.z),
         }
+    }
+
+    #[inline(always)]
+    fn minus(&self, v: &Self) -> Self {
+        Self {
+            x: self.x - v.x,
+            y: self.y - v.y,
+            z: self.z - v.z,
+        }
+    }
+
+    #[inline(always)]
+    fn times(&self, t: f64x2) -> Self {
+        Self {
+            x: self.x * t,
+            y: self.y * t,
+            z: self.z * t,
+        }
+    }
+
+    #[inline(always)]
+    fn dot(&self, v: &Self) -> f64x2 {
+        self.x * v.x + self.y * v.y + self.z * v.z
     }
 }

@@ -125,7 +125,7 @@ impl Sphere {
     #[inline]
     pub(super) fn point_at(&self, ray: &Ray, distance: f64) -> SurfacePoint {
         let from_center = ray.direction * distance - (self.center - ray.origin);
-        self.point(from_center.normalize_or(DVec3::Z))
+        self.point(from_center.normalize())
     }
 
     /// The directions in which the sphere is seen from `viewpoint`; `None` from
@@ -205,7 +205,7 @@ impl Pdf for SphereCone {
         let t = d * z - (r * r - d * d * (x * x + y * y)).max(0.0).sqrt();
         let from_center = self.frame.world([t * x, t * y, t * z - d]);
         Sample {
-            point: self.sphere.point(from_center.normalize_or(DVec3::Z)),
+            point: self.sphere.point(from_center.normalize()),
             density,
         }
     }
