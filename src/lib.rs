@@ -10,6 +10,8 @@ pub mod merge;
 pub mod pdf;
 pub mod prelude;
 pub mod quadrature;
+#[cfg(feature = "render")]
+pub mod render;
 pub mod run;
 pub mod sampler;
 pub mod value;
