@@ -141,6 +141,28 @@ fn cancelling<'a>(
     })
 }
 
+/// 0 and 1 in turn: σ² = ¼ n/(n − 1), by pixels of samples and of replicates.
+#[test]
+fn standard_errors_are_those_of_the_mean() {
+    let calls = Cell::new(0_u64);
+    let turns = FromFn(|_: &mut dyn Coordinates| {
+        calls.set(calls.get() + 1);
+        DVec3::splat((calls.get() % 2) as f64)
+    });
+    let single = Stratified::new([1, 1], 1, 1).unwrap();
+    let film = RandomizedFilm::new(&turns, single, [3, 2], 1, 16).unwrap();
+    for image in [
+        image(independent(&turns, [3, 2], 1), 6 * 16),
+        image(film, 6 * 16),
+    ] {
+        for pixel in &image.pixels {
+            assert_eq!(pixel.mean, DVec3::splat(0.5));
+            let exact = DVec3::splat((0.25 / 15.0_f64).sqrt());
+            assert!(pixel.standard_error.abs_diff_eq(exact, 1e-15), "{pixel:?}");
+        }
+    }
+}
+
 #[test]
 fn what_an_interrupted_pass_has_is_kept_and_the_rest_made_up() {
     let (calls, cancel) = (Cell::new(0), Cancel::new());
@@ -225,9 +247,10 @@ fn a_failure_names_its_pixel_and_its_sample() {
     );
     let counts = samples(&partial.unwrap());
     assert_eq!(counts, [&[32; 87][..], &[23], &[16; 12]].concat());
-    // It goes on from there.
-    let image = image(film, 10_000);
-    assert_eq!(samples(&image), [100; 100]);
+    // It goes on from there, the pixel that failed included.
+    let rest = run(&mut film, &Serial, &Stop::samples(3_200)).unwrap();
+    assert_eq!(samples(&rest.answer), [32; 100]);
+    assert_eq!(samples(&image(film, 10_000)), [100; 100]);
 
     // 7 pixels of 8 · 16, and 6 replicates of 16 and 7 more.
     let calls = Cell::new(0);
