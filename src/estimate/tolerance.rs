@@ -160,6 +160,12 @@ impl Tolerance {
         }
     }
 
+    /// error ≤ max(absolute, relative · size); no error is small against 0.
+    pub(crate) fn admits(&self, error: f64, size: f64) -> bool {
+        (size > 0.0 && error <= self.relative * size)
+            || (self.absolute > 0.0 && error <= self.absolute)
+    }
+
     /// Whether `estimate` is good enough.
     #[must_use]
     pub fn is_met_by<V: Value>(&self, estimate: &Estimate<V>) -> bool {
@@ -171,9 +177,8 @@ impl Tolerance {
         let varied = estimate.moments.variance().map(|v| v.components());
         let varied = varied.is_some_and(|v| v.as_ref().iter().any(|v| *v > 0.0));
         let small = |error: f64, size: f64| {
-            let known = size > 0.0 && !(error == 0.0 && varied);
-            (known && error <= self.relative * size)
-                || (self.absolute > 0.0 && error <= self.absolute)
+            let missed = error == 0.0 && varied;
+            self.admits(error, if missed { 0.0 } else { size })
         };
         let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         match self.measure {

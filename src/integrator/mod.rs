@@ -9,6 +9,10 @@ mod stratified_monte_carlo;
 
 pub use monte_carlo::MonteCarlo;
 pub use sample_block::NonFinite;
+#[cfg(feature = "render")]
+pub(crate) use sample_block::sample_block;
+#[cfg(feature = "render")]
+pub(crate) use sample_error::Failure;
 pub use sample_error::{Cause, SampleError};
 pub use stratified_monte_carlo::StratifiedMonteCarlo;
 

@@ -25,7 +25,7 @@ const SLICE: usize = 256;
 /// Takes the primary estimates of a block, in order, into `moments`, and shows
 /// each slice of them to `see`.
 #[inline]
-pub(super) fn sample_block<S: Sampler, E: TryEstimator>(
+pub(crate) fn sample_block<S: Sampler, E: TryEstimator>(
     sampler: &S,
     estimator: &E,
     block: Block,

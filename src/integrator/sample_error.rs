@@ -57,16 +57,16 @@ impl<V: fmt::Debug, E: core::error::Error + 'static> core::error::Error for Samp
 
 /// What is known of a failure while sampling, when there is no time for more.
 #[derive(Clone, Debug)]
-pub(super) struct Failure<V, E> {
+pub(crate) struct Failure<V, E> {
     pub(super) cause: Cause<V, E>,
     pub(super) block: Block,
     /// How many samples of the block came before.
-    pub(super) offset: u64,
+    pub(crate) offset: u64,
 }
 
 impl<V, E> Failure<V, E> {
     /// Replays the block up to the sample that failed.
-    pub(super) fn explain<S, T>(self, sampler: &S, estimator: &T) -> SampleError<V, E>
+    pub(crate) fn explain<S, T>(self, sampler: &S, estimator: &T) -> SampleError<V, E>
     where
         S: Sampler,
         T: TryEstimator<Value = V, Error = E>,

@@ -12,6 +12,8 @@ mod unit_point;
 
 pub use independent::{Independent, IndependentStream};
 pub use replay::{Replay, ReplayError, ReplayStream};
+#[cfg(feature = "render")]
+pub(crate) use stratified::width;
 pub use stratified::{Stratified, StratifiedError, StratifiedStream};
 pub use unit_point::UnitPoint;
 

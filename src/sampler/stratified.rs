@@ -248,7 +248,7 @@ impl<const D: usize, C> StratifiedStream<D, C> {
 /// 1/n, or a float below: in the last stratum (n − 1) + ξ may round up to n,
 /// and n times this is still below 1. A comparison for each coordinate would
 /// cost more than an ulp is worth.
-fn width(n: u64) -> f64 {
+pub(crate) fn width(n: u64) -> f64 {
     let n = n as f64;
     let last = (n - 1.0) + (1.0 - f64::EPSILON / 2.0);
     let mut width = 1.0 / n;

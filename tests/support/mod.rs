@@ -17,6 +17,8 @@
 
 pub mod chart;
 pub mod chi_squared;
+#[cfg(feature = "render")]
+pub mod film;
 pub mod kolmogorov;
 pub mod mean;
 pub mod pdf_laws;
