@@ -1,6 +1,6 @@
 //! What the warps of directions share: the turn about the z axis.
 
-use core::f64::consts::TAU;
+use core::f64::consts::{FRAC_PI_2, TAU};
 
 /// (sin 2πt, cos 2πt), t in [0, 1), to within 2⁻⁵².
 ///
@@ -12,7 +12,7 @@ use core::f64::consts::TAU;
 #[inline]
 fn sin_cos_turn(t: f64) -> (f64, f64) {
     const SIN: [f64; 7] = [
-        1.5707963267948966,
+        FRAC_PI_2,
         -0.6459640975062443,
         0.07969262624603957,
         -0.004681754132282415,
