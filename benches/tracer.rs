@@ -1,0 +1,197 @@
+//! The path tracer: paths and rays a second on one thread and on two, and the
+//! error that a second buys, on the two reference scenes at 48 × 48.
+//!
+//! `cargo bench --bench tracer` prints the table: the median of some rounds,
+//! which alternate between the rows. RMSE is relative to the mean of the
+//! reference image, over all pixels and over those from which no light is
+//! seen; `error² · time` is what it takes to come to an error of 1, in the
+//! pixels without a light: less is better, and does not depend on the budget.
+
+use std::time::Instant;
+
+use estimand::prelude::*;
+use estimand::render::{
+    Film, Image, Radiance, RandomizedFilm, RenderError, Roulette, Scene, Seen, Technique, scenes,
+};
+use glam::DVec3;
+
+type Error = Box<dyn std::error::Error>;
+
+const SIZE: [u32; 2] = [48, 48];
+const SAMPLES: u64 = 256;
+const ROUNDS: usize = 7;
+
+/// The reference image, and which pixels see no light nor have a neighbour
+/// that does.
+struct Reference {
+    pixels: Vec<DVec3>,
+    dark: Vec<bool>,
+}
+
+impl Reference {
+    fn read(name: &str, view: Seen<'_>) -> Result<Self, Error> {
+        let root = env!("CARGO_MANIFEST_DIR");
+        let csv = std::fs::read_to_string(format!("{root}/tests/references/{name}.full.csv"))?;
+        let mut pixels = Vec::new();
+        for line in csv.lines().skip(1) {
+            let columns: Vec<f64> = line.split(',').map(str::parse).collect::<Result<_, _>>()?;
+            pixels.push(DVec3::new(columns[2], columns[3], columns[4]));
+        }
+        let mut film = Film::new(view, Independent::new(1), SIZE)?;
+        let budget = Stop::samples(64 * pixels.len() as u64);
+        let seen = run(&mut film, &Serial, &budget)?.answer.pixels;
+        let lit = |column: i64, row: i64| {
+            (0..48).contains(&column)
+                && (0..48).contains(&row)
+                && seen[(row * 48 + column) as usize].mean != DVec3::ZERO
+        };
+        let dark = (0..48 * 48)
+            .map(|i| {
+                let near = |j: i64| (i % 48 + j % 3 - 1, i / 48 + j / 3 - 1);
+                !(0..9).map(near).any(|(column, row)| lit(column, row))
+            })
+            .collect();
+        Ok(Self { pixels, dark })
+    }
+
+    /// RMSE over mean, of all pixels and of the dark ones.
+    fn errors(&self, image: &Image) -> [f64; 2] {
+        [false, true].map(|only_dark| {
+            let (mut squares, mut mean, mut n) = (0.0, 0.0, 0.0);
+            for ((ours, theirs), dark) in image.pixels.iter().zip(&self.pixels).zip(&self.dark) {
+                if *dark || !only_dark {
+                    squares += (ours.mean - *theirs).length_squared();
+                    mean += theirs.element_sum();
+                    n += 3.0;
+                }
+            }
+            f64::sqrt(squares / n) / (mean / n)
+        })
+    }
+}
+
+/// A way to render, and what it took in each round.
+struct Row<'a> {
+    name: &'static str,
+    threads: usize,
+    render: Box<dyn Fn(u64) -> Result<Image, Error> + 'a>,
+    seconds: Vec<f64>,
+    errors: Vec<[f64; 2]>,
+    rays: f64,
+}
+
+fn film(view: Seen<'_>, sampler: Independent, threads: usize) -> Result<Image, Error> {
+    let mut film = Film::new(view, sampler, SIZE)?;
+    let budget = Stop::samples(SAMPLES * 48 * 48);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()?;
+    Ok(pool.install(|| run(&mut film, &Threads, &budget))?.answer)
+}
+
+/// Eight randomisations of a set of 32 points in each pixel.
+fn strata<const D: usize>(
+    view: Seen<'_>,
+    counts: [u64; D],
+    seed: u64,
+    threads: usize,
+) -> Result<Image, Error> {
+    let grid = Stratified::new(counts, 1, seed)?;
+    let points = grid.len();
+    let mut film = RandomizedFilm::new(view, grid, SIZE, points, SAMPLES / points)?;
+    let budget = Stop::samples(SAMPLES * 48 * 48);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()?;
+    Ok(pool.install(|| run(&mut film, &Threads, &budget))?.answer)
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+fn main() -> Result<(), Error> {
+    // `cargo test --benches` builds and runs this as a test.
+    if !std::env::args().any(|a| a == "--bench") {
+        return Ok(());
+    }
+    println!("scene      points and roulette             threads  Mpaths/s  rays/path  ns/ray  RMSE all  RMSE dark  error² · time");
+    let all: [(&str, fn() -> Result<(Scene, _), RenderError>); 2] =
+        [("cornell2", scenes::cornell2), ("smalllight", scenes::small_light)];
+    for (name, build) in all {
+        let (scene, camera) = build()?;
+        let view = |technique| -> Result<Seen<'_>, Error> {
+            Ok(Radiance::new(&scene, technique)?.seen_by(camera))
+        };
+        let reference = Reference::read(name, view(Technique::shade_path(1))?)?;
+        let late = view(Technique {
+            roulette: Roulette::Throughput(5),
+            ..Technique::path_tracing()
+        })?;
+        let own = view(Technique::path_tracing())?;
+        let mut rows = Vec::new();
+        for threads in [1, 2] {
+            let mut row = |name, view: Seen<'_>, render| -> Result<(), Error> {
+                let mut rays = MonteCarlo::new(view.rays(), Independent::new(3));
+                rows.push(Row {
+                    name,
+                    threads,
+                    render,
+                    seconds: Vec::new(),
+                    errors: Vec::new(),
+                    rays: run(&mut rays, &Serial, &Stop::samples(200_000))?.answer.mean,
+                });
+                Ok(())
+            };
+            row(
+                "independent, roulette from 5",
+                late,
+                Box::new(move |seed| film(late, Independent::new(seed), threads)),
+            )?;
+            row(
+                "independent",
+                own,
+                Box::new(move |seed| film(own, Independent::new(seed), threads)),
+            )?;
+            row(
+                "strata in the pixel",
+                own,
+                Box::new(move |seed| strata(own, [4, 8], seed, threads)),
+            )?;
+            row(
+                "strata in pixel and light",
+                own,
+                Box::new(move |seed| strata(own, [2, 2, 2, 4], seed, threads)),
+            )?;
+        }
+        for round in 0..ROUNDS {
+            for row in &mut rows {
+                let start = Instant::now();
+                let image = (row.render)(round as u64)?;
+                row.seconds.push(start.elapsed().as_secs_f64());
+                row.errors.push(reference.errors(&image));
+            }
+        }
+        for row in rows {
+            let seconds = median(row.seconds);
+            let paths = (SAMPLES * 48 * 48) as f64 / seconds;
+            let rms = |k: usize| {
+                let squares = row.errors.iter().map(|e| e[k] * e[k]);
+                (squares.sum::<f64>() / ROUNDS as f64).sqrt()
+            };
+            println!(
+                "{name:<10} {:<32} {:>6} {:>9.3} {:>10.2} {:>7.1} {:>9.4} {:>10.4} {:>12.6}",
+                row.name,
+                row.threads,
+                paths * 1e-6,
+                row.rays,
+                1e9 / paths / row.rays,
+                rms(0),
+                rms(1),
+                rms(1) * rms(1) * seconds,
+            );
+        }
+    }
+    Ok(())
+}
