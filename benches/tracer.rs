@@ -116,9 +116,13 @@ fn main() -> Result<(), Error> {
     if !std::env::args().any(|a| a == "--bench") {
         return Ok(());
     }
-    println!("scene      points and roulette             threads  Mpaths/s  rays/path  ns/ray  RMSE all  RMSE dark  error² · time");
-    let all: [(&str, fn() -> Result<(Scene, _), RenderError>); 2] =
-        [("cornell2", scenes::cornell2), ("smalllight", scenes::small_light)];
+    println!(
+        "scene      points and roulette             threads  Mpaths/s  rays/path  ns/ray  RMSE all  RMSE dark  error² · time"
+    );
+    let all: [(&str, fn() -> Result<(Scene, _), RenderError>); 2] = [
+        ("cornell2", scenes::cornell2),
+        ("smalllight", scenes::small_light),
+    ];
     for (name, build) in all {
         let (scene, camera) = build()?;
         let view = |technique| -> Result<Seen<'_>, Error> {
@@ -140,7 +144,9 @@ fn main() -> Result<(), Error> {
                     render,
                     seconds: Vec::new(),
                     errors: Vec::new(),
-                    rays: run(&mut rays, &Serial, &Stop::samples(200_000))?.answer.mean,
+                    rays: run(&mut rays, &Serial, &Stop::samples(200_000))?
+                        .answer
+                        .mean,
                 });
                 Ok(())
             };

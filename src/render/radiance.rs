@@ -192,7 +192,10 @@ impl<'a> Radiance<'a> {
         match (lights.choice, self.scene.by_power()) {
             (_, None) => DVec3::ZERO,
             (Choice::One, Some(by_power)) => {
-                let light = self.scene.lights()[by_power.sample(u.next_1d()).point];
+                let light = match self.scene.lights() {
+                    [only] => *only,
+                    lights => lights[by_power.sample(u.next_1d()).point],
+                };
                 self.light(here, lights, light, u, rays)
             }
             (Choice::All { samples }, Some(_)) => {

@@ -287,7 +287,8 @@ impl Surface {
 }
 
 impl Glossy {
-    #[inline]
+    /// Out of line: most surfaces have no lobe.
+    #[inline(never)]
     fn density(&self, normal: DVec3, outgoing: DVec3, incoming: DVec3) -> f64 {
         let frame = Frame::new(reflect(normal, outgoing));
         self.pdf.density(&frame.local(incoming))
