@@ -20,6 +20,7 @@ mod ray;
 mod scene;
 pub mod scenes;
 mod shape;
+mod srgb;
 mod surface;
 mod technique;
 mod tiles;
