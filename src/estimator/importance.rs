@@ -1,6 +1,6 @@
 //! f(x)/p(x), the estimator of the lectures.
 
-use super::{Estimator, Location, TryEstimator};
+use super::{Estimator, Location, TryEstimator, one_by_one};
 use crate::integrand::Integrand;
 use crate::pdf::{Pdf, Sample};
 use crate::sampler::{Coordinates, UnitPoint};
@@ -91,13 +91,46 @@ fn locate<P: Pdf>(pdf: &P, u: &mut impl Coordinates) -> Location {
     }
 }
 
+impl<P: Pdf, F: Integrand<P::Point>> Importance<F, P> {
+    /// f(x)/p(x) at the x that belongs to u.
+    #[inline]
+    fn primary(&self, u: P::Unit) -> <F::Value as Value>::Wide {
+        let x = self.pdf.sample(u);
+        weigh(self.integrand.evaluate(x.point), x.density)
+    }
+}
+
+/// How many points are read before the first of them is warped.
+const AHEAD: usize = 64;
+
 impl<P: Pdf, F: Integrand<P::Point>> Estimator for Importance<F, P> {
     type Value = <F::Value as Value>::Wide;
 
     #[inline]
     fn estimate<C: Coordinates>(&self, u: &mut C) -> Self::Value {
-        let x = self.pdf.sample(P::Unit::read(u));
-        weigh(self.integrand.evaluate(x.point), x.density)
+        self.primary(P::Unit::read(u))
+    }
+
+    /// Points of one coordinate are read ahead. What is left is a loop over
+    /// numbers, which compilers turn into vectors, and which looks once at what
+    /// is the same for all: the kind of a range, a density that is constant.
+    /// With more coordinates, storing them costs what that gains.
+    #[inline]
+    fn estimate_all<C: Coordinates>(&self, points: &mut C, values: &mut [Self::Value]) {
+        if P::Unit::DIM != 1 {
+            return one_by_one(self, points, values);
+        }
+        let mut units = [P::Unit::ORIGIN; AHEAD];
+        for values in values.chunks_mut(AHEAD) {
+            let units = &mut units[..values.len()];
+            for u in &mut *units {
+                points.next_point();
+                *u = P::Unit::read(points);
+            }
+            for (value, &u) in values.iter_mut().zip(&*units) {
+                *value = self.primary(u);
+            }
+        }
     }
 
     fn locate<C: Coordinates>(&self, u: &mut C) -> Location {
@@ -139,7 +172,101 @@ impl<P: Pdf, V: Value, E, F: Fn(P::Point) -> Result<V, E>> TryEstimator for TryI
 
 #[cfg(test)]
 mod tests {
-    use super::weigh;
+    use core::cell::RefCell;
+
+    use super::*;
+    use crate::pdf::{Exponential, Interval, UnitCube};
+    use crate::sampler::{Block, Independent, IndependentStream, Sampler};
+
+    fn points() -> IndependentStream {
+        let (index, start, len) = (3, 0, 1000);
+        Independent::new(7).stream(Block { index, start, len })
+    }
+
+    /// A slice has the values, and the integrand sees the points, that there
+    /// are one by one, in the same order; the points go on after the slice.
+    #[track_caller]
+    fn agree<P: Pdf>(pdf: P, f: impl Fn(&P::Point) -> f64) {
+        for len in [0, 1, AHEAD - 1, AHEAD, AHEAD + 1, 3 * AHEAD + 5] {
+            let seen = RefCell::new(Vec::new());
+            let g = |x| {
+                seen.borrow_mut().push(format!("{x:?}"));
+                f(&x)
+            };
+            let estimator = Importance::new(g, &pdf);
+
+            let mut one = points();
+            let expected: Vec<f64> = (0..len).map(|_| estimator.estimate(&mut one)).collect();
+            let in_order = seen.take();
+            let mut all = points();
+            let mut values = vec![0.0; len];
+            estimator.estimate_all(&mut all, &mut values);
+
+            let bits = |v: &[f64]| v.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(&values), bits(&expected));
+            assert_eq!(seen.take(), in_order);
+            assert_eq!(all.next_1d(), one.next_1d());
+        }
+    }
+
+    #[test]
+    fn a_slice_is_its_values_one_by_one() {
+        agree(Interval::new(1.0, 4.0).unwrap(), |x| x.sin());
+        agree(Interval::new(1.0, f64::INFINITY).unwrap(), |x| 1.0 / x);
+        agree([Exponential::new(0.0, 2.0).unwrap()], |[x]| x * x);
+        agree(UnitCube::<1>, |[x]| x + 1.0);
+        agree(UnitCube::<3>, |[x, y, z]| x * y - z);
+    }
+
+    #[test]
+    fn a_wrong_density_spoils_its_own_value_alone() {
+        /// No density below one half.
+        struct Upper;
+        impl Pdf for Upper {
+            type Unit = f64;
+            type Point = f64;
+            fn sample(&self, u: f64) -> Sample<f64> {
+                let density = self.density(&u);
+                Sample { point: u, density }
+            }
+            fn density(&self, x: &f64) -> f64 {
+                f64::from(*x >= 0.5)
+            }
+        }
+        let mut values = [0.0; 200];
+        Importance::new(|x| x, Upper).estimate_all(&mut points(), &mut values);
+        let mut again = points();
+        for value in values {
+            let u = again.next_1d();
+            assert!(if u < 0.5 { value.is_nan() } else { value == u });
+        }
+    }
+
+    #[test]
+    fn nothing_is_evaluated_after_a_failure() {
+        let calls = RefCell::new(0);
+        let f = |x: f64| {
+            calls.replace_with(|n| *n + 1);
+            if x > 0.9 { Err(x) } else { Ok(x) }
+        };
+        let estimator = TryImportance::new(f, Interval::unit());
+        let mut expected = Vec::new();
+        let mut one = points();
+        let error = loop {
+            match estimator.try_estimate(&mut one) {
+                Ok(value) => expected.push(value),
+                Err(error) => break error,
+            }
+        };
+        let taken = expected.len();
+        assert_eq!(calls.replace(0), taken + 1);
+
+        let mut values = [0.0; 200];
+        let failed = estimator.try_estimate_all(&mut points(), &mut values);
+        assert_eq!(failed, Err((taken, error)));
+        assert_eq!(calls.take(), taken + 1);
+        assert_eq!(values[..taken], expected);
+    }
 
     #[test]
     fn only_positive_finite_densities_weigh() {

@@ -26,11 +26,34 @@ pub trait Estimator {
     /// The primary estimate at the point whose coordinates are read from `u`.
     fn estimate<C: Coordinates>(&self, u: &mut C) -> Self::Value;
 
+    /// The primary estimates at the next points, in order, one for each of
+    /// `values`: those that [`estimate`](Self::estimate) gives, to the last bit.
+    ///
+    /// Provided, one by one. An estimator that is faster on many points at once
+    /// may read points before it looks at what they say.
+    #[inline]
+    fn estimate_all<C: Coordinates>(&self, points: &mut C, values: &mut [Self::Value]) {
+        one_by_one(self, points, values);
+    }
+
     /// Where the point with these coordinates lies, for a message about it.
     /// Reads the coordinates that [`estimate`](Self::estimate) reads.
     fn locate<C: Coordinates>(&self, u: &mut C) -> Location {
         let _ = self.estimate(u);
         Location::default()
+    }
+}
+
+/// What [`Estimator::estimate_all`] does unless told otherwise.
+#[inline]
+fn one_by_one<E: Estimator + ?Sized>(
+    estimator: &E,
+    points: &mut impl Coordinates,
+    values: &mut [E::Value],
+) {
+    for value in values {
+        points.next_point();
+        *value = estimator.estimate(points);
     }
 }
 
@@ -40,6 +63,11 @@ impl<E: Estimator> Estimator for &E {
     #[inline]
     fn estimate<C: Coordinates>(&self, u: &mut C) -> E::Value {
         (**self).estimate(u)
+    }
+
+    #[inline]
+    fn estimate_all<C: Coordinates>(&self, points: &mut C, values: &mut [E::Value]) {
+        (**self).estimate_all(points, values);
     }
 
     fn locate<C: Coordinates>(&self, u: &mut C) -> Location {
@@ -70,6 +98,26 @@ pub trait TryEstimator {
     /// The estimator's own.
     fn try_estimate<C: Coordinates>(&self, u: &mut C) -> Result<Self::Value, Self::Error>;
 
+    /// The primary estimates at the next points, in order, one for each of
+    /// `values`: those that [`try_estimate`](Self::try_estimate) gives.
+    ///
+    /// # Errors
+    ///
+    /// The first error, and how many values were taken before it. Nothing is
+    /// evaluated after it.
+    #[inline]
+    fn try_estimate_all<C: Coordinates>(
+        &self,
+        points: &mut C,
+        values: &mut [Self::Value],
+    ) -> Result<(), (usize, Self::Error)> {
+        for (taken, value) in values.iter_mut().enumerate() {
+            points.next_point();
+            *value = self.try_estimate(points).map_err(|e| (taken, e))?;
+        }
+        Ok(())
+    }
+
     /// Where the point with these coordinates lies, for a message about it.
     /// Reads the coordinates that [`try_estimate`](Self::try_estimate) reads.
     fn locate<C: Coordinates>(&self, u: &mut C) -> Location {
@@ -85,6 +133,16 @@ impl<E: Estimator> TryEstimator for E {
     #[inline]
     fn try_estimate<C: Coordinates>(&self, u: &mut C) -> Result<E::Value, Infallible> {
         Ok(self.estimate(u))
+    }
+
+    #[inline]
+    fn try_estimate_all<C: Coordinates>(
+        &self,
+        points: &mut C,
+        values: &mut [E::Value],
+    ) -> Result<(), (usize, Infallible)> {
+        self.estimate_all(points, values);
+        Ok(())
     }
 
     fn locate<C: Coordinates>(&self, u: &mut C) -> Location {

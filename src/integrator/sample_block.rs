@@ -34,10 +34,6 @@ pub(crate) fn sample_block<S: Sampler, E: TryEstimator>(
     mut see: impl FnMut(&[E::Value]),
 ) -> Result<(), Failure<E::Value, E::Error>> {
     let mut points = sampler.stream(block);
-    let mut next = || {
-        points.next_point();
-        estimator.try_estimate(&mut points)
-    };
     let fail = |offset, cause| Failure {
         cause,
         block,
@@ -46,20 +42,15 @@ pub(crate) fn sample_block<S: Sampler, E: TryEstimator>(
     let mut done = 0;
     while done < block.len {
         let len = (block.len - done).min(SLICE as u64) as usize;
-        let first = next().map_err(|e| fail(done, Cause::Integrand(e)))?;
+        points.next_point();
+        let first = estimator
+            .try_estimate(&mut points)
+            .map_err(|e| fail(done, Cause::Integrand(e)))?;
         let mut slice = [first; SLICE];
-        let mut taken = 1;
-        let mut error = None;
-        while taken < len {
-            match next() {
-                Ok(value) => slice[taken] = value,
-                Err(e) => {
-                    error = Some(e);
-                    break;
-                }
-            }
-            taken += 1;
-        }
+        let failed = estimator
+            .try_estimate_all(&mut points, &mut slice[1..len])
+            .err();
+        let taken = failed.as_ref().map_or(len, |(taken, _)| 1 + taken);
         let slice = &slice[..taken];
         match non_finite {
             NonFinite::SetAside => moments.push_all(slice),
@@ -71,7 +62,7 @@ pub(crate) fn sample_block<S: Sampler, E: TryEstimator>(
         }
         see(slice);
         done += taken as u64;
-        if let Some(error) = error {
+        if let Some((_, error)) = failed {
             return Err(fail(done, Cause::Integrand(error)));
         }
     }

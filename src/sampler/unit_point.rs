@@ -17,6 +17,8 @@ use super::Coordinates;
 pub trait UnitPoint: Copy {
     /// How many coordinates it has.
     const DIM: usize;
+    /// The point whose coordinates are all 0.
+    const ORIGIN: Self;
 
     /// Reads its coordinates, in order.
     fn read<C: Coordinates + ?Sized>(coordinates: &mut C) -> Self;
@@ -28,6 +30,7 @@ pub trait UnitPoint: Copy {
 
 impl UnitPoint for () {
     const DIM: usize = 0;
+    const ORIGIN: () = ();
     #[inline]
     fn read<C: Coordinates + ?Sized>(_: &mut C) {}
     #[inline]
@@ -36,6 +39,7 @@ impl UnitPoint for () {
 
 impl UnitPoint for f64 {
     const DIM: usize = 1;
+    const ORIGIN: f64 = 0.0;
     #[inline]
     fn read<C: Coordinates + ?Sized>(coordinates: &mut C) -> f64 {
         coordinates.next_1d()
@@ -48,6 +52,7 @@ impl UnitPoint for f64 {
 
 impl<U: UnitPoint, const D: usize> UnitPoint for [U; D] {
     const DIM: usize = D * U::DIM;
+    const ORIGIN: [U; D] = [U::ORIGIN; D];
     #[inline]
     fn read<C: Coordinates + ?Sized>(coordinates: &mut C) -> [U; D] {
         core::array::from_fn(|_| U::read(coordinates))
@@ -61,6 +66,7 @@ impl<U: UnitPoint, const D: usize> UnitPoint for [U; D] {
 
 impl<A: UnitPoint, B: UnitPoint> UnitPoint for (A, B) {
     const DIM: usize = A::DIM + B::DIM;
+    const ORIGIN: (A, B) = (A::ORIGIN, B::ORIGIN);
     #[inline]
     fn read<C: Coordinates + ?Sized>(coordinates: &mut C) -> (A, B) {
         let first = A::read(coordinates);
