@@ -10,9 +10,7 @@
 use std::time::Instant;
 
 use estimand::prelude::*;
-use estimand::render::{
-    Film, Image, Radiance, RandomizedFilm, RenderError, Roulette, Scene, Seen, Technique, scenes,
-};
+use estimand::render::{Film, Image, Radiance, RandomizedFilm, Roulette, Seen, Technique, scenes};
 use glam::DVec3;
 
 type Error = Box<dyn std::error::Error>;
@@ -119,12 +117,10 @@ fn main() -> Result<(), Error> {
     println!(
         "scene      points and roulette             threads  Mpaths/s  rays/path  ns/ray  RMSE all  RMSE dark  error² · time"
     );
-    let all: [(&str, fn() -> Result<(Scene, _), RenderError>); 2] = [
-        ("cornell2", scenes::cornell2),
-        ("smalllight", scenes::small_light),
-    ];
-    for (name, build) in all {
-        let (scene, camera) = build()?;
+    for (name, (scene, camera)) in [
+        ("cornell2", scenes::cornell2()?),
+        ("smalllight", scenes::small_light()?),
+    ] {
         let view = |technique| -> Result<Seen<'_>, Error> {
             Ok(Radiance::new(&scene, technique)?.seen_by(camera))
         };

@@ -107,48 +107,37 @@ pub fn furnace(albedo: f64) -> Result<Scene, RenderError> {
 /// None.
 pub fn veach() -> Result<(Scene, Camera), RenderError> {
     let eye = dvec3(0.0, 2.0, 15.0);
-    let mut primitives = vec![
-        Primitive::new(
-            Quad::new(dvec3(-15.0, -4.0, 15.0), 30.0 * DVec3::X, -30.0 * DVec3::Z)?,
-            Surface::lambertian(DVec3::splat(0.4))?,
-        ),
-        Primitive::new(
-            Quad::new(dvec3(-15.0, -4.0, -5.0), 30.0 * DVec3::X, 30.0 * DVec3::Y)?,
-            Surface::lambertian(DVec3::splat(0.4))?,
-        ),
-    ];
-    let row = dvec3(0.0, 5.0, -1.0);
-    // Each plate is tilted so that its middle mirrors the row of lights.
+    let grey = Surface::lambertian(DVec3::splat(0.4))?;
+    let floor = Quad::new(dvec3(-10.0, -4.15, 15.0), 20.0 * DVec3::X, -17.0 * DVec3::Z)?;
+    let wall = Quad::new(dvec3(-10.0, -4.15, -2.0), 20.0 * DVec3::X, 20.0 * DVec3::Y)?;
+    let mut primitives = vec![Primitive::new(floor, grey), Primitive::new(wall, grey)];
+
+    // Each plate is tilted so that its middle mirrors the middle of the lights.
     let plates = [
-        (dvec3(0.0, -2.6, 6.5), 30.0),
-        (dvec3(0.0, -1.7, 4.0), 200.0),
-        (dvec3(0.0, -0.5, 1.8), 1500.0),
-        (dvec3(0.0, 1.0, 0.0), 20_000.0),
+        (dvec3(0.0, -3.91, 3.57), 30.0),
+        (dvec3(0.0, -3.58, 2.22), 200.0),
+        (dvec3(0.0, -3.06, 0.92), 1500.0),
+        (dvec3(0.0, -2.4, -0.14), 20_000.0),
     ];
     for (middle, exponent) in plates {
-        let normal = ((eye - middle).normalize() + (row - middle).normalize()).normalize();
-        let (across, along) = (8.0 * DVec3::X, 1.6 * DVec3::X.cross(normal));
-        primitives.push(Primitive::new(
-            Quad::new(middle - 0.5 * (across + along), along, across)?,
-            Surface::new(DVec3::splat(0.05), DVec3::splat(0.6), exponent, DVec3::ZERO)?,
-        ));
+        let normal = ((eye - middle).normalize() - middle.normalize()).normalize();
+        let (across, along) = (8.0 * DVec3::X, DVec3::X.cross(normal));
+        let plate = Quad::new(middle - 0.5 * (across + along), along, across)?;
+        let (diffuse, glossy) = (DVec3::splat(0.05), DVec3::splat(0.6));
+        let surface = Surface::new(diffuse, glossy, exponent, DVec3::ZERO)?;
+        primitives.push(Primitive::new(plate, surface));
     }
-    let colours = [
-        dvec3(1.0, 0.45, 0.3),
-        dvec3(1.0, 0.9, 0.4),
-        dvec3(0.4, 1.0, 0.6),
-        dvec3(0.4, 0.6, 1.0),
+
+    let lights = [
+        (0.033, -3.75, dvec3(1.0, 0.5, 0.4)),
+        (0.1, -1.25, dvec3(1.0, 0.9, 0.45)),
+        (0.3, 1.25, dvec3(0.45, 1.0, 0.6)),
+        (0.9, 3.75, dvec3(0.45, 0.65, 1.0)),
     ];
-    for ((radius, x), colour) in [0.033_f64, 0.1, 0.3, 0.9]
-        .into_iter()
-        .zip([-3.75, -1.25, 1.25, 3.75])
-        .zip(colours)
-    {
-        primitives.push(Primitive::light(
-            Sphere::new(row + x * DVec3::X, radius)?,
-            colour * (8.0 / (radius * radius)),
-        ));
+    for (radius, x, colour) in lights {
+        let light = Sphere::new(x * DVec3::X, radius)?;
+        primitives.push(Primitive::light(light, colour * (2.0 / (radius * radius))));
     }
-    let camera = Camera::new(eye, dvec3(0.0, 0.6, 0.0), DVec3::Y, 40.0)?;
+    let camera = Camera::new(eye, dvec3(0.0, -2.0, 2.5), DVec3::Y, 38.0)?;
     Ok((Scene::new(primitives)?, camera))
 }
