@@ -266,7 +266,7 @@ impl core::error::Error for TechniqueError {}
 impl Technique {
     /// The crate's own: one light chosen by power and one ray from each vertex,
     /// combined by the power heuristic, with roulette by throughput from the
-    /// second vertex on.
+    /// third vertex on.
     #[must_use]
     pub const fn path_tracing() -> Self {
         Self {
@@ -279,7 +279,7 @@ impl Technique {
             ),
             directions: Directions::Surface,
             layout: Layout::Independent(1),
-            roulette: Roulette::Throughput(2),
+            roulette: Roulette::Throughput(3),
             max_vertices: None,
             threshold: 0.0,
         }
