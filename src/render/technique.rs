@@ -397,7 +397,7 @@ impl Technique {
             Roulette::Throughput(_) => MOST,
         };
         let dies_out = f64::from(rays) * most < 1.0;
-        let fades = self.threshold > 0.0 && (rays > 1 || scene.absorbs());
+        let fades = self.threshold > 0.0 && scene.absorbs();
         if self.max_vertices.is_none() && !dies_out && !fades {
             return Err(TechniqueError::Endless(*self));
         }
