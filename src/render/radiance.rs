@@ -101,7 +101,7 @@ impl<'a> Radiance<'a> {
     /// Adds to `path` the light that arrives along a step.
     fn walk<C: Coordinates>(&self, mut step: Step, u: &mut C, path: &mut Path) {
         let technique = &self.technique;
-        while step.throughput != DVec3::ZERO {
+        while step.throughput != DVec3::ZERO && !self.is_idle(&step) {
             path.rays += 1;
             let Some(hit) = self.scene.intersect(&step.ray) else {
                 path.radiance += step.throughput * self.scene.environment();
@@ -147,6 +147,17 @@ impl<'a> Radiance<'a> {
                 }
             }
         }
+    }
+
+    /// Whether a step can bring nothing: it is the last, and the lights at its
+    /// end have been sampled.
+    #[inline]
+    fn is_idle(&self, step: &Step) -> bool {
+        let is_last = |n| n - step.vertices == 1;
+        self.technique.max_vertices.is_some_and(is_last)
+            && matches!(self.technique.direct, Direct::Light(_))
+            && step.left.is_some()
+            && self.scene.environment() == DVec3::ZERO
     }
 
     /// How much of a light that is hit counts: all of it where it could not
