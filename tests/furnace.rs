@@ -158,7 +158,7 @@ fn paths_of_at_most_n_vertices_bring_the_first_n_terms() {
     for n in [1, 2, 3, 5, 8, 16, 32] {
         let exact = truncated(rho, n);
         // All is certain, as above, up to the digits that pairs of points lose:
-        // 1 in 10⁶ of these tests sees a pair that is off by more.
+        // one such test in 10⁵ has a pair so close that it is off by more.
         let lit = direct(Direct::Light(BY_AREA), walk(n));
         for l in primary_estimates(&in_furnace(&scene, lit, 1), &Independent::new(1), 500) {
             assert!((l.x / exact - 1.0).abs() < 1e-5, "n = {n}: {l}");

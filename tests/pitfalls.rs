@@ -55,9 +55,9 @@ enum Bug {
 
 #[derive(Clone, Copy, PartialEq)]
 enum Lit {
-    ByHit,
-    ByLight,
-    ByBoth,
+    Hit,
+    Light,
+    Both,
 }
 
 /// One cosine-weighted path; lights one by power and by area.
@@ -76,7 +76,7 @@ impl Tracer<'_> {
 
     fn direct<C: Coordinates>(&self, hit: &estimand::render::Hit, out: DVec3, u: &mut C) -> DVec3 {
         let (x, scene) = (&hit.point, self.scene);
-        let Some(by_power) = scene.by_power().filter(|_| self.lit != Lit::ByHit) else {
+        let Some(by_power) = scene.by_power().filter(|_| self.lit != Lit::Hit) else {
             return DVec3::ZERO;
         };
         let index = by_power.sample(u.next_1d());
@@ -97,7 +97,7 @@ impl Tracer<'_> {
             return DVec3::ZERO;
         }
         let weight = match self.lit {
-            Lit::ByBoth => Heuristic::Balance.weight(density, FRAC_1_PI * cos),
+            Lit::Both => Heuristic::Balance.weight(density, FRAC_1_PI * cos),
             _ => 1.0,
         };
         surface.evaluate(normal, out, s.direction) * emitted * (weight * cos / density)
@@ -123,13 +123,13 @@ impl Estimator for Tracer<'_> {
             let out = -ray.direction;
             let emitted = self.scene.emitted(hit.primitive, &hit.point, out);
             let share = match (self.lit, left) {
-                (Lit::ByHit, _) => 1.0,
+                (Lit::Hit, _) => 1.0,
                 (_, None) if vertex == 1 && self.has(Bug::Unseen) => 0.0,
                 (_, None) if vertex > 1 && self.has(Bug::MirrorForgotten) => 0.0,
                 (_, None) => 1.0,
-                (Lit::ByLight, Some(_)) if self.has(Bug::CountedTwice) => 1.0,
-                (Lit::ByLight, Some(_)) => 0.0,
-                (Lit::ByBoth, Some((from, density))) => {
+                (Lit::Light, Some(_)) if self.has(Bug::CountedTwice) => 1.0,
+                (Lit::Light, Some(_)) => 0.0,
+                (Lit::Both, Some((from, density))) => {
                     let lights = self.scene.lights();
                     let index = lights.iter().position(|l| *l == hit.primitive);
                     let mut by_light = self.scene.light_density(
@@ -236,22 +236,22 @@ fn faults_show_in_the_furnace() {
         );
     };
     // 1 + 2ρ/(1 − ρ) and ρ/(1 − ρ)
-    in_furnace(0.5, 0.7, Lit::ByLight, 3.0, Bug::CountedTwice);
-    in_furnace(0.5, 0.7, Lit::ByLight, 1.0, Bug::Unseen);
+    in_furnace(0.5, 0.7, Lit::Light, 3.0, Bug::CountedTwice);
+    in_furnace(0.5, 0.7, Lit::Light, 1.0, Bug::Unseen);
     // 1/(1 − ρs), 1/(1 − ρs/(1 − s)), 1 + sρ/(1 − ρ): each is right, or nearly
     // so, at s = 1/2 or 1.
-    in_furnace(0.8, 0.9, Lit::ByHit, 1.0 / 0.28, Bug::Undivided);
-    in_furnace(0.3, 0.7, Lit::ByHit, 1.0 / 0.3, Bug::DividedByStop);
-    in_furnace(0.5, 0.7, Lit::ByLight, 1.7, Bug::BeforeDirect);
+    in_furnace(0.8, 0.9, Lit::Hit, 1.0 / 0.28, Bug::Undivided);
+    in_furnace(0.3, 0.7, Lit::Hit, 1.0 / 0.3, Bug::DividedByStop);
+    in_furnace(0.5, 0.7, Lit::Light, 1.7, Bug::BeforeDirect);
     // Goes on with .7 for .6, a vertex after the other.
-    in_furnace(0.6, 0.7, Lit::ByHit, 1.0 + 0.6 / 0.3, Bug::Clamped);
+    in_furnace(0.6, 0.7, Lit::Hit, 1.0 + 0.6 / 0.3, Bug::Clamped);
     // 20 (1 − .95¹⁶)
     let cut = 20.0 * (1.0 - 0.95_f64.powi(16));
-    in_furnace(0.95, 0.95, Lit::ByHit, cut, Bug::DepthLimit);
+    in_furnace(0.95, 0.95, Lit::Hit, cut, Bug::DepthLimit);
     // 2 cos θ is 4/3 on average.
-    in_furnace(0.5, 0.7, Lit::ByHit, 3.0, Bug::WrongPdf);
+    in_furnace(0.5, 0.7, Lit::Hit, 3.0, Bug::WrongPdf);
     // A cos θ/π is 8/3: cos θ = r/2R, r² uniform.
-    in_furnace(0.5, 0.7, Lit::ByLight, 1.0 + 8.0 / 3.0, Bug::WrongMeasure);
+    in_furnace(0.5, 0.7, Lit::Light, 1.0 + 8.0 / 3.0, Bug::WrongMeasure);
 }
 
 fn floor(albedo: f64) -> Primitive {
@@ -271,19 +271,12 @@ fn faults_show_on_a_floor() {
     let sight = ray(dvec3(6.0, 0.7, 0.0), DVec3::ZERO);
     let sky = Scene::new(vec![floor(0.5)]).unwrap();
     let sky = sky.with_environment(DVec3::ONE).unwrap();
-    check(
-        &sky,
-        sight,
-        Lit::ByHit,
-        0.7,
-        [0.5, 0.5 * PI],
-        Bug::MissingPi,
-    );
+    check(&sky, sight, Lit::Hit, 0.7, [0.5, 0.5 * PI], Bug::MissingPi);
 
     // What a lamp lights, ρ (r/d)² Lₑ, behind a black ball.
     let black = Primitive::new(Sphere::new(DVec3::Y, 0.9).unwrap(), Surface::black());
     let dark = Scene::new(vec![floor(0.5), black, ball(4.0 * DVec3::Y, 1.0, 8.0)]).unwrap();
-    check(&dark, sight, Lit::ByLight, 0.7, [0.0, 0.25], Bug::NoShadows);
+    check(&dark, sight, Lit::Light, 0.7, [0.0, 0.25], Bug::NoShadows);
 
     // Lamps of unequal power, the weaker one close.
     let lamps = [
@@ -295,7 +288,7 @@ fn faults_show_on_a_floor() {
     check(
         &two,
         sight,
-        Lit::ByBoth,
+        Lit::Both,
         0.7,
         [exact, f64::NAN],
         Bug::MissingChoice,
@@ -313,7 +306,7 @@ fn faults_show_in_a_mirror() {
     ]);
     let sight = ray(dvec3(2.0, 2.0, 0.0), DVec3::ZERO);
     let bug = Bug::MirrorForgotten;
-    check(&scene.unwrap(), sight, Lit::ByLight, 1.0, [2.4, 0.0], bug);
+    check(&scene.unwrap(), sight, Lit::Light, 1.0, [2.4, 0.0], bug);
 }
 
 /// Weights of the two techniques sum to 1 at every direction, with the densities
