@@ -6,6 +6,8 @@
 
 mod support;
 
+use std::thread;
+
 use estimand::prelude::*;
 use estimand::render::{
     Direct, Directions, Heuristic, Layout, Primitive, Quad, Radiance, Roulette, Scene, SceneError,
@@ -188,23 +190,28 @@ fn any_number_of_threads_sees_the_same() {
     }
 }
 
-/// A tree takes stack by its depth, less than 1 KiB a vertex whose first of two
-/// rays always goes on: the thread of a test has 2 MiB.
+/// A tree needs no stack: here the first of two rays goes on, 10⁵ times, and
+/// the second never.
 #[test]
-fn deep_trees_fit_on_a_stack() {
-    let depth = 1_000;
-    let scene = scenes::furnace(0.98).unwrap();
-    let technique = Technique {
-        layout: Layout::Independent(2),
-        directions: Directions::Cosine,
-        ..Technique::shade_roulette(Roulette::go_on(0.49))
+fn deep_trees_need_no_stack() {
+    let depth = 100_000;
+    let walk = move || {
+        let scene = scenes::furnace(0.98).unwrap();
+        let technique = Technique {
+            layout: Layout::Independent(2),
+            directions: Directions::Cosine,
+            max_vertices: Some(depth as u32 + 1),
+            ..Technique::shade_roulette(Roulette::go_on(0.49))
+        };
+        let along = in_furnace(&scene, technique, 1);
+        let on = vec![0.25; 3 * depth];
+        let stop = vec![0.75; 3 * depth + 1];
+        let replay = Replay::new([[on, stop].concat()]).unwrap();
+        let rays = primary_estimates(&along.rays(), &replay, 1).next();
+        assert_eq!(rays, Some(2.0 * depth as f64 + 1.0));
     };
-    let along = in_furnace(&scene, technique, 1);
-    let on = vec![0.25; 3 * depth];
-    let stop = vec![0.75; 3 * depth + 1];
-    let replay = Replay::new([[on, stop].concat()]).unwrap();
-    let rays = primary_estimates(&along.rays(), &replay, 1).next();
-    assert_eq!(rays, Some(2.0 * depth as f64 + 1.0));
+    let small = thread::Builder::new().stack_size(64 << 10);
+    small.spawn(walk).unwrap().join().unwrap();
 }
 
 /// A lamp seen from its edge, and a point of it that is where it is seen from.
