@@ -50,6 +50,37 @@ fn an_integrand_that_allocates_is_noticed() {
     assert!(info.count_total > 10_000, "{info:?}");
 }
 
+/// Neither does a path, however long. A tree keeps vertices aside, and makes room
+/// for them a few times.
+#[cfg(feature = "render")]
+#[test]
+fn no_path_allocates() {
+    use estimand::render::{Radiance, Roulette, Technique, scenes};
+
+    let (scene, camera) = scenes::cornell2().unwrap();
+    let see = |technique, samples| {
+        let seen = Radiance::new(&scene, technique).unwrap().seen_by(camera);
+        of(|| {
+            let mut integrator = MonteCarlo::new(seen, Independent::new(1));
+            run(&mut integrator, &Serial, &Stop::samples(samples)).unwrap();
+        })
+    };
+    for technique in [
+        Technique::path_tracing(),
+        Technique::shade_light(Roulette::go_on(0.95)),
+        Technique::monte_carlo_ray_tracing(2, 1, 9),
+    ] {
+        let (few, many) = (see(technique, 1_000), see(technique, 50_000));
+        assert!(few.count_total < 40, "{few:?}");
+        assert!(many.count_total < 80, "{many:?}");
+    }
+    let tree = see(Technique::shade_branching(2, 6), 1_000);
+    assert!(
+        tree.count_total < 3_000 && tree.bytes_max < 10_000,
+        "{tree:?}"
+    );
+}
+
 /// On threads, what a block contributes waits for those before it, and no
 /// longer: at most a few wait at a time.
 #[cfg(feature = "parallel")]

@@ -84,82 +84,98 @@ impl<'a> Radiance<'a> {
         }
     }
 
-    /// One path, or a tree of them.
+    /// One path, or a tree of them, depth first: where further rays are to go on
+    /// is kept for later. A single path keeps nothing.
     #[inline]
     fn trace<C: Coordinates>(&self, ray: Ray, u: &mut C) -> Path {
         let mut path = Path::default();
+        let mut kept = Vec::new();
         let start = Step {
             ray,
             throughput: DVec3::ONE,
             vertices: 0,
             left: None,
         };
-        self.walk(start, u, &mut path);
+        let mut reached = self.arrive(&start, u, &mut path);
+        while let Some(mut here) = reached.or_else(|| kept.pop()) {
+            let step = self.leave(&here, u);
+            here.sent += 1;
+            if here.sent < self.rays {
+                kept.push(here);
+            }
+            reached = self.arrive(&step, u, &mut path);
+        }
         path
     }
 
-    /// Adds to `path` the light that arrives along a step.
-    fn walk<C: Coordinates>(&self, mut step: Step, u: &mut C, path: &mut Path) {
-        let technique = &self.technique;
-        while step.throughput != DVec3::ZERO {
-            path.rays += 1;
-            let Some(hit) = self.scene.intersect(&step.ray) else {
-                path.radiance += step.throughput * self.scene.environment();
-                return;
-            };
-            let outgoing = -step.ray.direction;
-            let emitted = self.scene.emitted(hit.primitive, &hit.point, outgoing);
-            if emitted != DVec3::ZERO {
-                path.radiance += step.throughput * emitted * self.share_of_hit(&step, &hit);
-            }
-
-            let vertices = step.vertices + 1;
-            let here = Vertex::new(self.scene, &hit, outgoing);
-            if technique.max_vertices == Some(vertices)
-                || here.surface.is_black()
-                || step.throughput.max_element() < technique.threshold
-            {
-                return;
-            }
-            path.radiance += step.throughput * self.direct(&here, u, &mut path.rays);
-
-            let chance = technique.roulette.chance(step.throughput, vertices);
-            if chance < 1.0 && u.next_1d() >= chance {
-                return;
-            }
-            let share = step.throughput / (chance * f64::from(self.rays));
-            // All but the last go their own ways; the last goes on here, so
-            // that a single path needs no stack.
-            for ray in 1..self.rays {
-                let aside = self.next(&here, share, vertices, ray, u);
-                self.walk(aside, u, path);
-            }
-            step = self.next(&here, share, vertices, 0, u);
+    /// Adds to `path` the light that comes from the end of a step, and returns
+    /// the vertex there if rays go on from it.
+    #[inline]
+    fn arrive<C: Coordinates>(
+        &self,
+        step: &Step,
+        u: &mut C,
+        path: &mut Path,
+    ) -> Option<Vertex<'a>> {
+        if step.throughput == DVec3::ZERO || self.is_idle(step) {
+            return None;
         }
+        let technique = &self.technique;
+        path.rays += 1;
+        let Some(hit) = self.scene.intersect(&step.ray) else {
+            path.radiance += step.throughput * self.scene.environment();
+            return None;
+        };
+        let outgoing = -step.ray.direction;
+        let emitted = self.scene.emitted(hit.primitive, &hit.point, outgoing);
+        if emitted != DVec3::ZERO {
+            path.radiance += step.throughput * emitted * self.share_of_hit(step, &hit);
+        }
+
+        let vertices = step.vertices + 1;
+        let mut here = Vertex::new(self.scene, hit, outgoing, vertices);
+        if technique.max_vertices == Some(vertices)
+            || here.surface.is_black()
+            || step.throughput.max_element() < technique.threshold
+        {
+            return None;
+        }
+        path.radiance += step.throughput * self.direct(&here, u, &mut path.rays);
+
+        let chance = technique.roulette.chance(step.throughput, vertices);
+        if chance < 1.0 && u.next_1d() >= chance {
+            return None;
+        }
+        here.share = step.throughput / (chance * f64::from(self.rays));
+        Some(here)
     }
 
-    /// The step in which one of the rays of a vertex goes on.
+    /// The next of the rays that go on from a vertex.
     #[inline]
-    fn next<C: Coordinates>(
-        &self,
-        here: &Vertex<'_>,
-        share: DVec3,
-        vertices: u32,
-        ray: u32,
-        u: &mut C,
-    ) -> Step {
-        let xi = self.technique.layout.point(ray, u);
+    fn leave<C: Coordinates>(&self, here: &Vertex<'_>, u: &mut C) -> Step {
+        let xi = self.technique.layout.point(here.sent, u);
         let directions = self.technique.directions;
         let scatter = here
             .surface
             .scatter(directions, here.normal, here.outgoing, xi, u);
-        let x = &here.hit.point;
+        let from = here.hit.point;
         Step {
-            ray: x.ray(scatter.direction),
-            throughput: share * scatter.weight,
-            vertices,
-            left: scatter.density.map(|density| (x.position, density)),
+            ray: from.ray(scatter.direction),
+            throughput: here.share * scatter.weight,
+            vertices: here.vertices,
+            left: scatter.density.map(|density| (from.position, density)),
         }
+    }
+
+    /// Whether a step can bring nothing: it is the last, and the lights at its
+    /// end have been sampled.
+    #[inline]
+    fn is_idle(&self, step: &Step) -> bool {
+        let is_last = |n| n - step.vertices == 1;
+        self.technique.max_vertices.is_some_and(is_last)
+            && matches!(self.technique.direct, Direct::Light(_))
+            && step.left.is_some()
+            && self.scene.environment() == DVec3::ZERO
     }
 
     /// How much of a light that is hit counts: all of it where it could not
@@ -280,16 +296,21 @@ struct Step {
 
 /// A vertex of a path, seen from where the path came.
 struct Vertex<'a> {
-    hit: &'a Hit,
+    hit: Hit,
     surface: &'a Surface,
     outgoing: DVec3,
     /// The normal on the side of `outgoing`.
     normal: DVec3,
+    /// How many vertices there are up to here.
+    vertices: u32,
+    /// How many rays have gone on, and what each starts with.
+    sent: u32,
+    share: DVec3,
 }
 
 impl<'a> Vertex<'a> {
     #[inline]
-    fn new(scene: &'a Scene, hit: &'a Hit, outgoing: DVec3) -> Self {
+    fn new(scene: &'a Scene, hit: Hit, outgoing: DVec3, vertices: u32) -> Self {
         let normal = hit.point.normal;
         Self {
             hit,
@@ -300,6 +321,9 @@ impl<'a> Vertex<'a> {
             } else {
                 normal
             },
+            vertices,
+            sent: 0,
+            share: DVec3::ZERO,
         }
     }
 }

@@ -189,7 +189,7 @@ pub enum Roulette {
     /// They go on with this chance.
     Constant(f64),
     /// From this vertex on (the first is 1) they go on with their throughput's
-    /// largest component as the chance, 0.95 at most: faint paths end early, at
+    /// largest component as the chance, 0.99 at most: faint paths end early, at
     /// little variance.
     Throughput(u32),
 }
@@ -397,7 +397,7 @@ impl Technique {
             Roulette::Throughput(_) => MOST,
         };
         let dies_out = f64::from(rays) * most < 1.0;
-        let fades = self.threshold > 0.0 && (rays > 1 || scene.absorbs());
+        let fades = self.threshold > 0.0 && scene.absorbs();
         if self.max_vertices.is_none() && !dies_out && !fades {
             return Err(TechniqueError::Endless(*self));
         }
@@ -406,8 +406,9 @@ impl Technique {
 }
 
 /// The largest chance to go on of a roulette by throughput: in a room of
-/// mirrors, paths end nevertheless.
-const MOST: f64 = 0.95;
+/// mirrors, paths end nevertheless. A room that reflects ρ has a finite
+/// variance where ρ² is less than this.
+const MOST: f64 = 0.99;
 
 #[cfg(test)]
 mod tests {
@@ -479,7 +480,7 @@ mod tests {
         ] {
             assert_eq!(layout(empty), TechniqueError::Rays(empty));
         }
-        // Two rays from each vertex outrun a roulette that stops one in twenty.
+        // Two rays from each vertex outrun a roulette that stops one in a hundred.
         assert!(matches!(
             layout(Layout::Independent(2)),
             TechniqueError::Endless(_)

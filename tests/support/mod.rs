@@ -25,6 +25,8 @@ pub mod pdf_laws;
 pub mod quadrature;
 pub mod sampler_laws;
 pub mod significance;
+#[cfg(feature = "render")]
+pub mod transport;
 
 pub use significance::{assert_plausible, assert_rejected, is_plausible};
 
