@@ -90,22 +90,27 @@ impl<'a> Radiance<'a> {
     fn trace<C: Coordinates>(&self, ray: Ray, u: &mut C) -> Path {
         let mut path = Path::default();
         let mut kept = Vec::new();
-        let start = Step {
+        let mut step = Step {
             ray,
             throughput: DVec3::ONE,
             vertices: 0,
             left: None,
         };
-        let mut reached = self.arrive(&start, u, &mut path);
-        while let Some(mut here) = reached.or_else(|| kept.pop()) {
-            let step = self.leave(&here, u);
-            here.sent += 1;
-            if here.sent < self.rays {
-                kept.push(here);
+        loop {
+            if let Some(here) = self.arrive(&step, u, &mut path) {
+                step = self.leave(&here, 0, u);
+                if self.rays > 1 {
+                    kept.push((here, 1));
+                }
+            } else if let Some((here, sent)) = kept.pop() {
+                step = self.leave(&here, sent, u);
+                if sent + 1 < self.rays {
+                    kept.push((here, sent + 1));
+                }
+            } else {
+                return path;
             }
-            reached = self.arrive(&step, u, &mut path);
         }
-        path
     }
 
     /// Adds to `path` the light that comes from the end of a step, and returns
@@ -150,10 +155,10 @@ impl<'a> Radiance<'a> {
         Some(here)
     }
 
-    /// The next of the rays that go on from a vertex.
+    /// One of the rays that go on from a vertex.
     #[inline]
-    fn leave<C: Coordinates>(&self, here: &Vertex<'_>, u: &mut C) -> Step {
-        let xi = self.technique.layout.point(here.sent, u);
+    fn leave<C: Coordinates>(&self, here: &Vertex<'_>, ray: u32, u: &mut C) -> Step {
+        let xi = self.technique.layout.point(ray, u);
         let directions = self.technique.directions;
         let scatter = here
             .surface
@@ -303,8 +308,7 @@ struct Vertex<'a> {
     normal: DVec3,
     /// How many vertices there are up to here.
     vertices: u32,
-    /// How many rays have gone on, and what each starts with.
-    sent: u32,
+    /// The throughput that each ray starts with.
     share: DVec3,
 }
 
@@ -322,7 +326,6 @@ impl<'a> Vertex<'a> {
                 normal
             },
             vertices,
-            sent: 0,
             share: DVec3::ZERO,
         }
     }
