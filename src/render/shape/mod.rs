@@ -38,8 +38,8 @@ pub enum Shape {
 pub enum ShapeError {
     /// A position or an edge with a coordinate that is infinite or NaN.
     NotFinite(DVec3),
-    /// A radius that is not positive, or whose square or its inverse is not a
-    /// normal number.
+    /// A radius that is not positive, that rounding at this position hides, or
+    /// whose square or its inverse is not a normal number.
     Radius(f64),
     /// Edges that span no area that double precision could tell at this
     /// position, or one whose size or its inverse leaves the range of an `f64`.
@@ -52,7 +52,7 @@ impl fmt::Display for ShapeError {
             Self::NotFinite(x) => write!(f, "{x} is not a point of space"),
             Self::Radius(r) => write!(
                 f,
-                "the radius of a sphere must be positive and its square a normal number, not {r}"
+                "a sphere needs a positive radius that double precision can tell at its position, not {r}"
             ),
             Self::Degenerate(u, v) => write!(
                 f,
