@@ -12,6 +12,7 @@ mod triangle;
 pub use quad::Quad;
 pub use sphere::{Sphere, SphereCone};
 pub use surface_point::SurfacePoint;
+pub(super) use surface_point::error_bound;
 pub use triangle::Triangle;
 
 use core::fmt;
