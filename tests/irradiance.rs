@@ -11,8 +11,8 @@ use std::f64::consts::{PI, TAU};
 
 use estimand::prelude::*;
 use estimand::render::{
-    Choice, Direct, Directions, Heuristic, LightPoints, Lights, Primitive, Radiance, Ray, Scene,
-    Shape, Surface, SurfacePoint, Technique, solid_angle_density,
+    Along, Choice, Direct, Directions, Heuristic, LightPoints, Lights, Primitive, Radiance, Ray,
+    Scene, Shape, Surface, SurfacePoint, Technique, solid_angle_density,
 };
 use glam::{DVec3, dvec3};
 use support::radiometry::{
@@ -123,13 +123,23 @@ fn scene(place: Place, light: Shape) -> Scene {
 }
 
 /// π/ρ times the radiance of the point, seen from close by: its irradiance.
-fn seen<'a>(scene: &'a Scene, place: Place, technique: Technique) -> impl Estimator<Value = f64> {
-    let eye = Ray {
-        origin: place.point(dvec3(1e-4, 1e-4, 0.0)),
-        direction: dvec3(-1.0, -1.0, 0.0).normalize(),
-    };
-    let along = Radiance::new(scene, technique).unwrap().along(eye);
-    FromFn(move |mut u: &mut dyn Coordinates| along.estimate(&mut u).x * PI / ALBEDO)
+struct Seen<'a>(Along<'a>);
+
+impl<'a> Seen<'a> {
+    fn new(scene: &'a Scene, place: Place, technique: Technique) -> Self {
+        let eye = Ray {
+            origin: place.point(dvec3(1e-4, 1e-4, 0.0)),
+            direction: dvec3(-1.0, -1.0, 0.0).normalize(),
+        };
+        Self(Radiance::new(scene, technique).unwrap().along(eye))
+    }
+}
+
+impl Estimator for Seen<'_> {
+    type Value = f64;
+    fn estimate<C: Coordinates>(&self, u: &mut C) -> f64 {
+        self.0.estimate(u).x * PI / ALBEDO
+    }
 }
 
 fn direct(direct: Direct, directions: Directions) -> Technique {
@@ -170,20 +180,26 @@ const TECHNIQUES: [(&str, Direct, Directions); 6] = {
 #[test]
 fn by_the_tracer() {
     for lit in &LIGHTS {
-        let samples = enough(1_000.0, form_factor(lit));
+        let samples = enough(500.0, form_factor(lit));
         for (place, seed) in cases_of(lit) {
             let scene = scene(place, (lit.shape)(place));
             for (name, way, directions) in TECHNIQUES {
-                let by_area = matches!(way, Direct::Light(l) if l.points == LightPoints::Area);
-                if by_area && lit.too_near_for_area {
+                // Neither is for Student's t: rare spikes, and rare hits.
+                let spikes = lit.too_near_for_area && name == "light's area";
+                let rare = form_factor(lit) < 0.1 && name == "hits";
+                if spikes || rare {
                     continue;
                 }
-                let e = estimate(seen(&scene, place, direct(way, directions)), seed, samples);
+                let e = estimate(
+                    Seen::new(&scene, place, direct(way, directions)),
+                    seed,
+                    samples,
+                );
                 let what = format!("{} by {name}, {place:?}, seed {seed}: {e}", lit.name);
                 assert_plausible(p_value(&e, lit.irradiance), &what);
             }
             let hit = direct(Direct::Hit, Directions::Surface);
-            let e = estimate(seen(&scene, place, hit), seed, samples);
+            let e = estimate(Seen::new(&scene, place, hit), seed, samples);
             let what = format!("{} by hits, {place:?}, seed {seed}: {e}", lit.name);
             assert_plausible(hits_p_value(&e, PI, form_factor(lit)), &what);
         }
@@ -212,7 +228,7 @@ fn lights_turned_away_give_nothing() {
             let scene = scene(place, light);
             for (_, way, directions) in TECHNIQUES {
                 let technique = direct(way, directions);
-                nothing(estimate(seen(&scene, place, technique), seed, 1_000));
+                nothing(estimate(Seen::new(&scene, place, technique), seed, 1_000));
             }
         }
     }

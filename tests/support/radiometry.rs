@@ -98,6 +98,7 @@ impl Place {
 
 /// A light of radiance 1 and what it does to a point at the origin whose normal
 /// is the y axis.
+#[derive(Debug)]
 pub struct Lit {
     pub name: &'static str,
     pub shape: fn(Place) -> Shape,
