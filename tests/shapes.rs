@@ -176,6 +176,52 @@ fn diameter(shape: &Shape) -> f64 {
     shape.area().sqrt()
 }
 
+/// Any float, the strange ones often.
+fn anything() -> impl Strategy<Value = f64> {
+    let strange = [
+        0.0,
+        -0.0,
+        1.0,
+        f64::NAN,
+        INF,
+        -INF,
+        1e150,
+        1e290,
+        f64::MIN_POSITIVE,
+        5e-324,
+    ];
+    prop_oneof![
+        -10.0..10.0_f64,
+        any::<f64>(),
+        proptest::sample::select(strange.to_vec())
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 20_000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Whatever numbers a constructor is given, it refuses them or makes a
+    /// shape whose points are finite and have the density that they say.
+    #[test]
+    fn any_parameters_are_refused_or_sane(
+        a in [anything(), anything(), anything()].prop_map(DVec3::from),
+        b in [anything(), anything(), anything()].prop_map(DVec3::from),
+        c in [anything(), anything(), anything()].prop_map(DVec3::from),
+        u in [coordinate(), coordinate()],
+    ) {
+        let quad = Quad::new(a, b, c).map(Shape::from);
+        let triangle = Triangle::new(a, b, c).map(Shape::from);
+        let sphere = Sphere::new(a, b.x).map(Shape::from);
+        for shape in [quad, triangle, sphere].into_iter().flatten() {
+            let x = shape.sample(u);
+            prop_assert!(x.point.position.is_finite() && x.point.error.is_finite(), "{shape:?}");
+            prop_assert!((x.point.normal.length() - 1.0).abs() < 1e-14, "{shape:?} {x:?}");
+            prop_assert!(x.density > 0.0 && x.density.is_finite(), "{shape:?} {x:?}");
+            prop_assert_eq!(x.density, shape.density(&x.point), "{:?} {:?}", shape, x);
+        }
+    }
+}
+
 /// How many of a million rays, each from where the last one met the wall of a
 /// closed sphere, leave it or meet the wall where they start.
 fn strays(seed: u64, leave: impl Fn(&SurfacePoint, DVec3) -> Ray) -> u64 {

@@ -209,7 +209,7 @@ impl Pdf for SphereCone {
         let t = d * z - root;
         let from_center = self.frame.world([t * x, t * y, -(d * square + root * z)]);
         Sample {
-            point: self.sphere.point(from_center.normalize_or(DVec3::Z)),
+            point: self.sphere.point(from_center.normalize()),
             density,
         }
     }
