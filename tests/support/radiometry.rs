@@ -1,5 +1,7 @@
 //! Lights with a known effect on a point, and estimates to compare with it.
 
+use std::f64::consts::FRAC_PI_4;
+
 use estimand::pdf::ConcentricDisk;
 use estimand::prelude::*;
 use estimand::render::{Quad, Ray, Shape, Sphere, SurfacePoint, Triangle};
@@ -129,9 +131,7 @@ const fn lit(name: &'static str, irradiance: f64, shape: fn(Place) -> Shape) -> 
 /// edges; spheres: π (R/d)² cos θ, and where the horizon cuts them a closed form
 /// that a quadrature agrees with.
 pub const LIGHTS: [Lit; 16] = [
-    lit("sphere", 0.785_398_163_397_448, |p| {
-        sphere(p, 1.0, 2.0, 0.0)
-    }),
+    lit("sphere", FRAC_PI_4, |p| sphere(p, 1.0, 2.0, 0.0)),
     lit("sphere at 60°", 0.098_174_770_424_681, |p| {
         sphere(p, 0.5, 2.0, 60.0)
     }),
