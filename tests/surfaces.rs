@@ -311,11 +311,13 @@ fn direction() -> impl Strategy<Value = DVec3> {
     [0.0..1.0_f64, 0.0..1.0_f64].prop_map(|u| UniformSphere.sample(u).point.into())
 }
 
-/// Reflectances of three colours whose sums are at most 1.
+/// Reflectances of three colours whose sums are at most 1, and of which any
+/// part may be missing.
 fn surface() -> impl Strategy<Value = Surface> {
-    let part = || [0.0..1.0_f64, 0.0..1.0_f64, 0.0..1.0_f64].prop_map(DVec3::from);
+    let rest = || [0.0..1.0_f64, 0.0..1.0_f64, 0.0..1.0_f64].prop_map(DVec3::from);
+    let part = || prop_oneof![2 => rest(), 1 => Just(DVec3::ZERO)];
     let exponent = prop_oneof![0.0..3.0_f64, 0.0..2_000.0_f64];
-    (part(), part(), part(), part(), exponent).prop_map(|(d, s, m, rest, n)| {
+    (part(), part(), part(), rest(), exponent).prop_map(|(d, s, m, rest, n)| {
         let sum = d + s + m + rest;
         Surface::new(d / sum, s / sum, n, m / sum).unwrap()
     })
@@ -386,7 +388,7 @@ proptest! {
     fn no_energy_is_made(s in surface(), out in direction()) {
         let out = over(normal(), out);
         let rows = over_cells(|w| s.evaluate(normal(), out, w).max_element() * normal().dot(w));
-        prop_assert!(total(&rows) <= 1.0 + 1e-6, "{s:?} {out} {}", total(&rows));
+        prop_assert!(total(&rows) <= 1.0 + 1e-4, "{s:?} {out} {}", total(&rows));
     }
 }
 
