@@ -9,10 +9,10 @@ mod support;
 use std::f64::consts::TAU;
 
 use estimand::pdf::{
-    Cauchy, ConcentricDisk, CosineHemisphere, Cuboid, Discrete, DiscreteCdf, Exponential, Interval,
-    Linear, Mixture, Normal, PiecewiseConstant1D, PiecewiseConstant2D, PiecewiseLinear1D, Power,
-    Tent, TruncatedNormal, UniformCone, UniformHemisphere, UniformSphere, UniformTriangle,
-    UnitCube,
+    Cauchy, ConcentricDisk, CosineHemisphere, CosinePowerHemisphere, Cuboid, Discrete, DiscreteCdf,
+    Exponential, Interval, Linear, Mixture, Normal, PiecewiseConstant1D, PiecewiseConstant2D,
+    PiecewiseLinear1D, Power, Tent, TruncatedNormal, UniformCone, UniformHemisphere, UniformSphere,
+    UniformTriangle, UnitCube,
 };
 use support::chart::{Pair, Polar, Space, Sphere, Triangle};
 use support::pdf_laws::{
@@ -196,6 +196,24 @@ fn directions() {
     )
     .hold()
     .invert();
+}
+
+#[test]
+fn cosine_power_hemisphere() {
+    for n in [0.0, 1.0, 2.5, 10.0, 50.0, 1e3] {
+        // Cells of about equal mass, and the last decades of what is left.
+        let faint = [0.0, 0.1_f64.powf(6.0 / (n + 1.0))];
+        let rest = (1..=8).map(|i| (f64::from(i) / 8.0).powf(1.0 / (n + 1.0)));
+        let heights = faint.into_iter().chain(rest).collect();
+        over(
+            "power of the cosine",
+            CosinePowerHemisphere::new(n).unwrap(),
+            Sphere,
+            [heights, cells(0.0, TAU, 12)],
+        )
+        .hold()
+        .invert();
+    }
 }
 
 #[test]

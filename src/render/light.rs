@@ -82,7 +82,7 @@ impl Scene {
         let to = point.position - from;
         LightSample {
             point,
-            direction: to.normalize(),
+            direction: to.normalize_or_zero(),
             density: solid_angle_density(density, to, point.normal),
         }
     }

@@ -4,7 +4,7 @@ use core::fmt;
 
 use glam::DVec3;
 
-use super::shape::Packed;
+use super::shape::{Packed, error_bound};
 use super::{Ray, Shape, Surface, SurfacePoint};
 use crate::pdf::{Discrete, Pdf};
 
@@ -243,6 +243,10 @@ impl Scene {
     #[inline]
     pub fn visible(&self, x: &SurfacePoint, y: &SurfacePoint) -> bool {
         let direction = y.position - x.position;
+        // Over a long way it is the way's rounding that might put y in its own
+        // shadow.
+        let error = y.error + error_bound(direction.abs().max_element());
+        let y = SurfacePoint { error, ..*y };
         let origin = x.off_towards(direction);
         let to = y.off_towards(-direction) - origin;
         let distance = to.length();

@@ -306,3 +306,142 @@ fn chosen<C: Coordinates>(chance: f64, u: &mut C) -> bool {
 fn reflect(normal: DVec3, w: DVec3) -> DVec3 {
     (2.0 * normal.dot(w)) * normal - w
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampler::{Block, Independent, Sampler};
+
+    #[test]
+    fn refuses_what_is_no_reflectance() {
+        let (none, half) = (DVec3::ZERO, DVec3::splat(0.5));
+        let refused = |k| Err(SurfaceError::Reflectance(k));
+        for x in [-1e-9, 1.1, f64::INFINITY] {
+            let k = DVec3::new(0.2, x, 0.3);
+            assert_eq!(Surface::lambertian(k), refused(k));
+            assert_eq!(Surface::mirror(k), refused(k));
+            assert_eq!(Surface::new(none, k, 10.0, none), refused(k));
+        }
+        assert!(matches!(
+            Surface::lambertian(DVec3::new(0.2, 0.3, f64::NAN)),
+            Err(SurfaceError::Reflectance(k)) if k.z.is_nan()
+        ));
+        // Each is fine, their sum is not, in one colour.
+        let red = DVec3::new(0.6, 0.1, 0.1);
+        assert_eq!(Surface::new(half, red, 1.0, none), refused(half + red));
+        assert_eq!(Surface::new(half, none, 1.0, red), refused(half + red));
+        let text = SurfaceError::Reflectance(half + red).to_string();
+        assert!(text.contains("1.1"), "{text}");
+    }
+
+    /// .7 + .2 + .1 rounds to just below 1, .8 + .1 + .1 to 1, .1 + .7 + .2 above.
+    #[test]
+    fn decimal_fractions_of_a_whole_are_accepted() {
+        for [d, s, m] in [
+            [0.7, 0.2, 0.1],
+            [0.8, 0.1, 0.1],
+            [0.1, 0.7, 0.2],
+            [0.3, 0.6, 0.1],
+        ] {
+            let all = Surface::new(DVec3::splat(d), DVec3::splat(s), 5.0, DVec3::splat(m));
+            assert!(all.is_ok(), "{d} {s} {m}");
+        }
+    }
+
+    #[test]
+    fn refuses_what_is_no_exponent() {
+        for n in [-0.1, 1e13, f64::INFINITY] {
+            let refused = Surface::new(DVec3::ZERO, DVec3::ONE, n, DVec3::ZERO);
+            assert_eq!(refused, Err(SurfaceError::Exponent(n)));
+        }
+        let refused = Surface::new(DVec3::ZERO, DVec3::ONE, f64::NAN, DVec3::ZERO);
+        assert!(matches!(refused, Err(SurfaceError::Exponent(_))));
+        assert!(Surface::new(DVec3::ZERO, DVec3::ONE, 1e12, DVec3::ZERO).is_ok());
+    }
+
+    #[test]
+    fn knows_what_it_is() {
+        let half = DVec3::splat(0.5);
+        let (black, mirror) = (Surface::black(), Surface::mirror(half).unwrap());
+        assert!(black.is_black() && black.absorbs() && !black.is_specular());
+        assert!(mirror.is_specular() && !mirror.is_black());
+        assert_eq!(Surface::lambertian(DVec3::ZERO), Ok(black));
+        let both = Surface::new(half, DVec3::ZERO, 1.0, half).unwrap();
+        assert!(!both.is_specular() && !both.absorbs());
+        // What one colour keeps is not enough.
+        let red = Surface::lambertian(DVec3::new(1.0, 0.0, 0.0)).unwrap();
+        assert!(!red.absorbs());
+    }
+
+    /// Where there is nothing to choose no coordinate is read for it.
+    #[test]
+    fn draws_only_where_there_is_a_choice() {
+        let (none, half) = (DVec3::ZERO, DVec3::splat(0.5));
+        let (d, s, m) = (0.5 * half, 0.3 * half, 0.2 * half);
+        let sampler: Independent = Independent::new(1);
+        let stream = || {
+            let mut u = sampler.stream(Block {
+                index: 0,
+                start: 0,
+                len: 1,
+            });
+            u.next_point();
+            u
+        };
+        for (surface, draws) in [
+            (Surface::lambertian(d), 0),
+            (Surface::mirror(m), 0),
+            (Surface::new(none, s, 9.0, none), 0),
+            (Surface::new(d, s, 9.0, none), 1),
+            (Surface::new(d, none, 9.0, m), 1),
+            (Surface::new(none, s, 9.0, m), 1),
+        ] {
+            let (mut read, mut all) = (stream(), stream());
+            let up = DVec3::Y;
+            let _ = surface
+                .unwrap()
+                .scatter(Directions::Surface, up, up, [0.3, 0.6], &mut read);
+            for _ in 0..draws {
+                all.next_1d();
+            }
+            assert_eq!(read.next_1d(), all.next_1d(), "{surface:?}");
+        }
+    }
+
+    /// At the ends of [0, 1)², and all but along the surface.
+    #[test]
+    fn every_coordinate_gives_a_direction() {
+        let last = 1.0 - f64::EPSILON / 2.0;
+        let third = DVec3::splat(0.3);
+        let surface = Surface::new(third, third, 1e3, third).unwrap();
+        let sampler: Independent = Independent::new(1);
+        let mut u = sampler.stream(Block {
+            index: 0,
+            start: 0,
+            len: 1,
+        });
+        u.next_point();
+        let normal = DVec3::new(2.0, -3.0, 6.0) / 7.0;
+        let along = normal.any_orthonormal_vector();
+        for cos in [1.0, 0.5, 1e-9, 1e-300] {
+            let outgoing = (along + normal * cos).normalize();
+            for directions in [Directions::Uniform, Directions::Cosine, Directions::Surface] {
+                for xi in [0.0, 0.5, last]
+                    .map(|a| [0.0, 0.5, last].map(|b| [a, b]))
+                    .concat()
+                {
+                    // Often enough to have taken each part.
+                    for _ in 0..30 {
+                        let s = surface.scatter(directions, normal, outgoing, xi, &mut u);
+                        assert!((s.direction.length() - 1.0).abs() < 1e-14, "{s:?}");
+                        assert!(
+                            s.weight.is_finite() && s.weight.min_element() >= 0.0,
+                            "{s:?}"
+                        );
+                        assert!(s.density.is_none_or(|p| p >= 0.0 && p.is_finite()), "{s:?}");
+                    }
+                }
+            }
+        }
+    }
+}

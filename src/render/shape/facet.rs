@@ -17,7 +17,27 @@ pub(super) struct Facet {
     pub(super) dual_v: DVec3,
     /// unit(u × v)
     pub(super) normal: DVec3,
+    /// |u × v|
+    area: f64,
     error: f64,
+}
+
+/// u × v, each coordinate to its last digits, so that the normal of a sliver
+/// does not tilt.
+///
+/// Source: Jeannerod, Louvet & Muller, *Further Analysis of Kahan's Algorithm
+/// for the Accurate Computation of 2 × 2 Determinants* (2013).
+fn cross(u: DVec3, v: DVec3) -> DVec3 {
+    // a b − c d
+    let determinant = |a: f64, b: f64, c: f64, d: f64| {
+        let product = c * d;
+        a.mul_add(b, -product) - c.mul_add(d, -product)
+    };
+    DVec3::new(
+        determinant(u.y, v.z, u.z, v.y),
+        determinant(u.z, v.x, u.x, v.z),
+        determinant(u.x, v.y, u.y, v.x),
+    )
 }
 
 impl Facet {
@@ -27,7 +47,7 @@ impl Facet {
                 return Err(ShapeError::NotFinite(x));
             }
         }
-        let cross = edge_u.cross(edge_v);
+        let cross = cross(edge_u, edge_v);
         let area = cross.length();
         let reach = (corner.abs() + edge_u.abs() + edge_v.abs()).max_element();
         let error = error_bound(reach);
@@ -44,13 +64,14 @@ impl Facet {
             dual_u: edge_v.cross(normal) / area,
             dual_v: normal.cross(edge_u) / area,
             normal,
+            area,
             error,
         })
     }
 
     /// |u × v|
     pub(super) fn parallelogram_area(&self) -> f64 {
-        self.edge_u.cross(self.edge_v).length()
+        self.area
     }
 
     /// The distance at which the ray meets the plane, if in (0, limit), and
@@ -80,18 +101,87 @@ impl Facet {
     /// The point (a, b).
     #[inline]
     pub(super) fn point(&self, a: f64, b: f64) -> SurfacePoint {
+        self.at(self.edge_u * a + self.edge_v * b)
+    }
+
+    /// The point of the plane at this distance along the ray, pulled back to
+    /// the plane, which is more exact than what the ray says.
+    #[inline]
+    pub(super) fn point_at(&self, ray: &Ray, distance: f64) -> SurfacePoint {
+        let from_corner = ray.direction * distance - (self.corner - ray.origin);
+        self.at(from_corner - self.normal * self.normal.dot(from_corner))
+    }
+
+    #[inline]
+    fn at(&self, from_corner: DVec3) -> SurfacePoint {
         SurfacePoint {
-            position: self.corner + self.edge_u * a + self.edge_v * b,
+            position: self.corner + from_corner,
             normal: self.normal,
             error: self.error,
         }
     }
+}
 
-    /// The point of the plane at this distance along the ray: made anew of the
-    /// edges, which is more exact than what the ray says.
-    #[inline]
-    pub(super) fn point_at(&self, ray: &Ray, distance: f64) -> SurfacePoint {
-        let from_corner = ray.direction * distance - (self.corner - ray.origin);
-        self.point(self.dual_u.dot(from_corner), self.dual_v.dot(from_corner))
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// In the middle of slivers, whose normal tilts where u × v cancels.
+    #[test]
+    fn points_are_on_the_plane_to_within_their_error() {
+        for aspect in [1.0, 1e3, 1e6, 1e9] {
+            let u = DVec3::new(0.3, -0.7, 0.648_074_069_840_786);
+            let v = u + DVec3::new(0.1, 0.9, 0.2) / aspect;
+            let f = Facet::new(DVec3::new(0.2, 0.1, -0.3), u, v).unwrap();
+            let area = u.cross((v - u) * aspect).length() / aspect;
+            assert!((f.parallelogram_area() / area - 1.0).abs() < 1e-15 * (2.0 + aspect));
+            let mut at = vec![f.point(1.0, 0.0), f.point(0.0, 1.0), f.point(0.7, 0.9)];
+            for distance in [1.0, 1e3, 1e9] {
+                let direction = DVec3::new(0.48, -0.6, 0.64);
+                let ray = Ray {
+                    origin: f.point(0.3, 0.6).position - direction * distance,
+                    direction,
+                };
+                at.push(f.point_at(&ray, f.meet(&ray, f64::INFINITY).unwrap().0));
+            }
+            for x in at {
+                let off = f.normal.dot(x.position - f.corner);
+                assert!(off.abs() < x.error / 4.0, "{aspect} {off:e} {:e}", x.error);
+                assert_eq!(x.normal, f.normal);
+            }
+        }
+    }
+
+    /// A millimetre at 10⁴ has digits left; at 10¹³ it has none.
+    #[test]
+    fn refuses_what_has_no_area() {
+        let new = |at: f64, u, v| Facet::new(DVec3::splat(at), u, v).map(|_| ());
+        let (x, y) = (DVec3::X, DVec3::Y);
+        let refused = |u, v| Err(ShapeError::Degenerate(u, v));
+        assert_eq!(new(0.0, x, y), Ok(()));
+        for (u, v) in [
+            (x, x),
+            (x, -2.0 * x),
+            (DVec3::ZERO, y),
+            (x, DVec3::ZERO),
+            (x, x + 1e-15 * y),
+            (1e-160 * x, 1e-160 * y),
+            (1e160 * x, 1e160 * y),
+        ] {
+            assert_eq!(new(0.0, u, v), refused(u, v));
+        }
+        let (u, v) = (1e-3 * x, 1e-3 * y);
+        for at in [0.0, 1e4, 1e9] {
+            assert_eq!(new(at, u, v), Ok(()), "{at}");
+        }
+        assert_eq!(new(1e13, u, v), refused(u, v));
+        assert_eq!(new(1e9, 1e-6 * x, y), refused(1e-6 * x, y));
+        let nan = DVec3::new(0.0, f64::NAN, 0.0);
+        for (corner, u, v) in [(nan, x, y), (x, nan, y), (x, y, nan)] {
+            let error = Facet::new(corner, u, v).unwrap_err();
+            assert!(matches!(error, ShapeError::NotFinite(p) if p.y.is_nan()));
+        }
+        let far = DVec3::new(f64::INFINITY, 0.0, 0.0);
+        assert_eq!(Facet::new(far, x, y), Err(ShapeError::NotFinite(far)));
     }
 }

@@ -14,6 +14,7 @@ pub(super) use packed::Packed;
 pub use quad::Quad;
 pub use sphere::{Sphere, SphereCone};
 pub use surface_point::SurfacePoint;
+pub(super) use surface_point::error_bound;
 pub use triangle::Triangle;
 
 use core::fmt;
@@ -40,8 +41,8 @@ pub enum Shape {
 pub enum ShapeError {
     /// A position or an edge with a coordinate that is infinite or NaN.
     NotFinite(DVec3),
-    /// A radius that is not positive, or whose square or its inverse is not a
-    /// normal number.
+    /// A radius that is not positive, that rounding at this position hides, or
+    /// whose square or its inverse is not a normal number.
     Radius(f64),
     /// Edges that span no area that double precision could tell at this
     /// position, or one whose size or its inverse leaves the range of an `f64`.
@@ -54,7 +55,7 @@ impl fmt::Display for ShapeError {
             Self::NotFinite(x) => write!(f, "{x} is not a point of space"),
             Self::Radius(r) => write!(
                 f,
-                "the radius of a sphere must be positive and its square a normal number, not {r}"
+                "a sphere needs a positive radius that double precision can tell at its position, not {r}"
             ),
             Self::Degenerate(u, v) => write!(
                 f,

@@ -219,3 +219,77 @@ impl Vectors {
         self.x * v.x + self.y * v.y + self.z * v.z
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pdf::{Pdf, UniformSphere};
+    use crate::render::{Quad, Sphere, Triangle};
+    use crate::sampler::{Block, Coordinates, Independent, Sampler};
+
+    /// One shape of each kind at a time, and all of them: to the bit what the
+    /// shapes say one by one, from outside, inside and on them.
+    #[test]
+    fn rays_meet_what_they_meet_one_by_one() {
+        let mut u = Independent::new(1).stream(Block {
+            index: 0,
+            start: 0,
+            len: 0,
+        });
+        let mut met = 0;
+        for _ in 0..300 {
+            let mut vector = || DVec3::from_array([(); 3].map(|()| 2.0 * u.next_1d() - 1.0));
+            let shapes: [Shape; 7] = [
+                Quad::new(vector(), vector(), vector()).unwrap().into(),
+                Sphere::new(vector(), 0.3).unwrap().into(),
+                Triangle::new(vector(), vector(), vector()).unwrap().into(),
+                Quad::new(vector(), vector(), vector()).unwrap().into(),
+                Sphere::new(vector(), 1.5).unwrap().into(),
+                Sphere::new(vector(), 0.6).unwrap().into(),
+                Triangle::new(vector(), vector(), vector()).unwrap().into(),
+            ];
+            let all = Packed::new(shapes.iter());
+            for i in 0..200 {
+                let direction = UniformSphere.sample(u.next_2d()).point.into();
+                let ray = match i % 4 {
+                    0 => Ray {
+                        origin: DVec3::from_array([(); 3].map(|()| 4.0 * u.next_1d() - 2.0)),
+                        direction,
+                    },
+                    _ => shapes[i % 7].sample(u.next_2d()).point.ray(direction),
+                };
+                let limit = if i % 3 == 0 { 0.7 } else { f64::INFINITY };
+                let mut nearest = None;
+                for (index, shape) in shapes.iter().enumerate() {
+                    let alone = shape.intersect(&ray, limit);
+                    let packed = Packed::new([*shape].iter()).nearest(&ray, limit);
+                    assert_eq!(packed, alone.map(|d| (d, 0)), "{shape:?} {ray:?}");
+                    let so_far = nearest.map_or(limit, |(d, _)| d);
+                    if let Some(d) = shape.intersect(&ray, so_far) {
+                        nearest = Some((d, index));
+                        met += 1;
+                    }
+                }
+                assert_eq!(all.nearest(&ray, limit), nearest, "{ray:?}");
+            }
+        }
+        assert!(met > 10_000, "{met}");
+    }
+
+    #[test]
+    fn nothing_is_met_where_there_is_nothing() {
+        let ray = Ray {
+            origin: DVec3::ZERO,
+            direction: DVec3::X,
+        };
+        assert_eq!(Packed::new([].iter()).nearest(&ray, f64::INFINITY), None);
+        let lost = Ray {
+            origin: DVec3::NAN,
+            ..ray
+        };
+        let shape = Shape::from(Sphere::new(DVec3::ZERO, 1.0).unwrap());
+        let room = Packed::new([shape].iter());
+        assert_eq!(room.nearest(&ray, f64::INFINITY), Some((1.0, 0)));
+        assert_eq!(room.nearest(&lost, f64::INFINITY), None);
+    }
+}

@@ -45,8 +45,9 @@ impl Sphere {
     ///
     /// # Errors
     ///
-    /// `center` is finite, `radius` positive, and its square and the inverse of
-    /// that normal numbers.
+    /// `center` is finite, `radius` positive and such that double precision can
+    /// tell it at this position, and its square and the inverse of that normal
+    /// numbers.
     pub fn new(center: DVec3, radius: f64) -> Result<Self, ShapeError> {
         if !center.is_finite() {
             return Err(ShapeError::NotFinite(center));
@@ -198,12 +199,14 @@ impl Pdf for SphereCone {
     fn sample(&self, u: [f64; 2]) -> Sample<SurfacePoint> {
         let Sample { point, density } = self.cone.sample(u);
         // The near root of |t ω − d ẑ| = R, and the point relative to the
-        // centre: exact where the difference of two positions would not be.
+        // centre, t ω − d ẑ: exact where differences would not be.
         let [x, y, z] = point;
         let d = self.distance;
         let r = self.sphere.radius;
-        let t = d * z - (r * r - d * d * (x * x + y * y)).max(0.0).sqrt();
-        let from_center = self.frame.world([t * x, t * y, t * z - d]);
+        let square = x * x + y * y;
+        let root = (r * r - d * d * square).max(0.0).sqrt();
+        let t = d * z - root;
+        let from_center = self.frame.world([t * x, t * y, -(d * square + root * z)]);
         Sample {
             point: self.sphere.point(from_center.normalize()),
             density,
@@ -211,15 +214,234 @@ impl Pdf for SphereCone {
     }
 
     fn density(&self, x: &SurfacePoint) -> f64 {
-        // Seen from the viewpoint, which is the centre minus d ẑ.
-        let [a, b, c] = self.frame.local(x.position - self.sphere.center);
-        let to = DVec3::new(a, b, c + self.distance);
-        let rim = self.sphere.radius / self.distance;
-        let near = c <= -rim * self.sphere.radius + self.sphere.error;
-        if near && self.sphere.density(x) > 0.0 {
-            self.cone.density(&(to / to.length()).to_array())
+        // What is seen lies on this side of the rim.
+        let [_, _, c] = self.frame.local(x.position - self.sphere.center);
+        let rim = -self.sphere.radius * (self.sphere.radius / self.distance);
+        if c <= rim + self.sphere.error && self.sphere.density(x) > 0.0 {
+            self.cone.density(&[0.0, 0.0, 1.0])
         } else {
             0.0
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::Shape;
+
+    /// The last coordinate before 1.
+    const LAST: f64 = 1.0 - f64::EPSILON / 2.0;
+
+    fn sphere(center: DVec3, radius: f64) -> Sphere {
+        Sphere::new(center, radius).unwrap()
+    }
+
+    fn ray(origin: DVec3, towards: DVec3) -> Ray {
+        Ray {
+            origin,
+            direction: towards.normalize(),
+        }
+    }
+
+    fn meet(s: &Sphere, origin: DVec3, towards: DVec3) -> Option<f64> {
+        s.intersect(&ray(origin, towards), f64::INFINITY)
+    }
+
+    #[test]
+    fn rays_meet_it_where_they_should() {
+        let s = sphere(DVec3::new(0.0, 0.0, 5.0), 2.0);
+        let (o, z) = (DVec3::ZERO, DVec3::Z);
+        assert_eq!(meet(&s, o, z), Some(3.0));
+        assert_eq!(s.intersect(&ray(o, z), 3.0), None, "the limit is outside");
+        assert_eq!(s.intersect(&ray(o, z), 3.1), Some(3.0));
+        assert_eq!(meet(&s, o, -z), None, "behind");
+        assert_eq!(meet(&s, 5.0 * z, z), Some(2.0), "from the centre");
+        assert_eq!(meet(&s, 4.0 * z, z), Some(3.0), "from inside");
+        assert_eq!(meet(&s, 4.0 * z, -z), Some(1.0));
+        let tangent = DVec3::new(2.0, 0.0, 0.0);
+        let beside = |x: f64| meet(&s, DVec3::new(x, 0.0, 0.0), z);
+        assert_eq!(meet(&s, tangent, z), Some(5.0));
+        assert_eq!(beside(2.0 + 1e-15), None);
+        assert!((beside(2.0 - 1e-12).unwrap() - 5.0).abs() < 3e-6);
+        assert_eq!(meet(&s, DVec3::NAN, z), None);
+    }
+
+    #[test]
+    fn rays_from_the_surface_meet_only_the_far_side() {
+        let s = sphere(DVec3::X, 2.0);
+        let x = s.sample([0.3, 0.7]).point;
+        assert_eq!(s.intersect(&x.ray(x.normal), f64::INFINITY), None);
+        let chord = s.intersect(&x.ray(-x.normal), f64::INFINITY).unwrap();
+        assert!((chord - 4.0).abs() < 1e-13);
+        let grazing = x.normal.any_orthonormal_vector();
+        let short = s.intersect(&x.ray(grazing - 1e-20 * x.normal), 1e-5);
+        assert!(short.is_none_or(|t| t > 1e-8), "{short:?}");
+    }
+
+    /// Rays that come a long way meet it, and at points that lie on it.
+    #[test]
+    fn points_are_on_the_sphere_however_far_the_ray_has_come() {
+        let s = sphere(DVec3::new(1.0, -2.0, 3.0), 0.5);
+        let aim = DVec3::new(1.2, -1.9, 3.1);
+        for distance in [1e-2, 1.0, 1e3, 1e6, 1e9] {
+            let from = aim + DVec3::new(0.6, 0.0, 0.8) * distance;
+            let ray = ray(from, aim - from);
+            let x = s.point_at(&ray, s.intersect(&ray, f64::INFINITY).unwrap());
+            let off = x.position.distance(s.center) - s.radius;
+            assert!(off.abs() < x.error / 4.0, "{distance} {off:e}");
+            assert!(x.position.distance(x.normal * 0.5 + s.center) < x.error);
+            let along = (x.position - from).cross(ray.direction).length();
+            assert!(along < 4e-16 * (10.0 + distance), "{distance} {along:e}");
+        }
+    }
+
+    #[test]
+    fn inward_turns_the_normal_alone() {
+        let (out, room) = (sphere(DVec3::X, 2.0), sphere(DVec3::X, 2.0).inward());
+        let (a, b) = (out.sample([0.2, 0.9]), room.sample([0.2, 0.9]));
+        assert_eq!((a.point.position, a.density), (b.point.position, b.density));
+        assert_eq!(a.point.normal, -b.point.normal);
+        assert_eq!(out.area(), room.area());
+    }
+
+    /// With respect to area where u is at the ends of [0, 1).
+    #[test]
+    fn density_is_that_of_the_samples() {
+        for (at, radius) in [(0.0, 1.0), (1e4, 1e-3), (1e9, 1.0), (-1e4, 1e3)] {
+            let s = Shape::from(sphere(DVec3::new(at, -at, 0.5), radius));
+            for u in [0.0, 0.3, 0.5, LAST] {
+                for v in [0.0, 0.25, 0.7, LAST] {
+                    let x = s.sample([u, v]);
+                    assert_eq!(s.density(&x.point), x.density, "{at} {u} {v}");
+                    assert!((x.density * s.area() - 1.0).abs() < 1e-15);
+                }
+            }
+            let x = s.sample([0.5, 0.5]).point;
+            let off = |position| s.density(&SurfacePoint { position, ..x });
+            assert_eq!(off(x.position + 2.0 * x.error * x.normal), 0.0);
+            assert_eq!(off(x.position - 2.0 * x.error * x.normal), 0.0);
+            assert_eq!(off(DVec3::NAN), 0.0);
+        }
+    }
+
+    /// The solid angle, and points on the near side with the cone's density at
+    /// both ends of [0, 1)².
+    #[test]
+    fn cones_see_the_near_side() {
+        for (at, radius, distance) in [
+            (0.0, 1.0, 2.0),
+            (0.0, 1e-6, 1e6),
+            (0.0, 1e3, 1e3 + 1e-3),
+            (0.0, 0.999, 1.0),
+            (0.0, 1.0, 1.0 + 1e-14),
+            (1e4, 1e-3, 2e-3),
+            (1e4, 0.999e-3, 1e-3),
+            (-1e4, 1.0, 1e7),
+        ] {
+            let what = format!("{at} {radius} {distance}");
+            let s = sphere(DVec3::new(at, 0.5 * at, -at), radius);
+            let towards = DVec3::new(2.0, -3.0, 6.0) / 7.0;
+            let from = s.center - towards * distance;
+            let cone = s.cone_from(from).unwrap();
+            for u in [0.0, 1e-9, 0.5, 1.0 - 1e-9, LAST] {
+                for v in [0.0, 0.3, 0.9] {
+                    let Sample { point, density } = cone.sample([u, v]);
+                    assert!(density > 0.0 && density.is_finite(), "{what}");
+                    assert_eq!(cone.density(&point), density, "{what} {u} {v}");
+                    assert!(s.density(&point) > 0.0, "{what} {u} {v}");
+                    // Seen from the front, or at the rim to within rounding.
+                    let facing = (from - point.position).dot(point.normal);
+                    assert!(facing > -point.error, "{what} {u} {facing:e}");
+                }
+            }
+            let far = s.point(towards);
+            assert_eq!(cone.density(&far), 0.0, "{what}");
+            let near = s.point(-towards);
+            assert!(cone.density(&near) > 0.0, "{what}");
+        }
+        let solid_angle =
+            |s: Sphere, from| 1.0 / s.cone_from(from).unwrap().sample([0.0; 2]).density;
+        let unit = sphere(2.0 * DVec3::Z, 1.0);
+        let exact = PI * (2.0 - 3_f64.sqrt());
+        assert!((solid_angle(unit, DVec3::ZERO) - exact).abs() < 1e-15);
+        let tiny = sphere(1e8 * DVec3::Z, 1.0);
+        assert!((solid_angle(tiny, DVec3::ZERO) / (PI * 1e-16) - 1.0).abs() < 1e-15);
+    }
+
+    /// Between the cone's axis and its rim, where a far sphere's points would
+    /// lose their digits as differences.
+    #[test]
+    fn cones_reach_every_point_of_the_near_side() {
+        for distance in [1.5, 1e4, 1e9] {
+            let s = sphere(DVec3::ZERO, 1.0);
+            let cone = s.cone_from(-distance * DVec3::Z).unwrap();
+            for u in [0.1, 0.5, 0.99] {
+                let x = cone.sample([u, 0.0]).point.position;
+                // (d sin θ)² = u R² in a narrow cone; d sin θ is how far the
+                // line to the point passes from the centre.
+                let to = x + distance * DVec3::Z;
+                let square = if distance > 1e3 {
+                    x.x * x.x + x.y * x.y
+                } else {
+                    let height = u * (1.0 - (1.0 - 1.0 / (distance * distance)).sqrt());
+                    let sin = distance * distance * height * (2.0 - height);
+                    let across = to.cross(DVec3::Z * distance).length_squared();
+                    assert!((across / to.length_squared() - sin).abs() < 1e-14);
+                    continue;
+                };
+                assert!(
+                    (square / u - 1.0).abs() < 2.0 / distance,
+                    "{distance} {u} {square}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn no_cone_from_inside_or_the_surface() {
+        let s = sphere(DVec3::ZERO, 1.0);
+        for from in [
+            0.0,
+            0.5,
+            LAST,
+            1.0,
+            1.0 + f64::EPSILON,
+            f64::NAN,
+            f64::INFINITY,
+        ] {
+            assert_eq!(s.cone_from(from * DVec3::X), None, "{from}");
+        }
+        assert!(s.cone_from(1.0001 * DVec3::X).is_some());
+    }
+
+    #[test]
+    fn refuses_what_is_no_sphere() {
+        for r in [0.0, -1.0, 1e-160, 1e160, f64::INFINITY] {
+            let refused = Sphere::new(DVec3::ZERO, r);
+            assert_eq!(refused, Err(ShapeError::Radius(r)));
+        }
+        assert!(matches!(
+            Sphere::new(DVec3::ZERO, f64::NAN),
+            Err(ShapeError::Radius(_))
+        ));
+        let infinite = DVec3::new(0.0, f64::INFINITY, 0.0);
+        let refused = Sphere::new(infinite, 1.0);
+        assert_eq!(refused, Err(ShapeError::NotFinite(infinite)));
+        assert!(Sphere::new(DVec3::NAN, 1.0).is_err());
+    }
+
+    #[test]
+    fn refuses_a_radius_that_rounding_hides() {
+        for (at, hidden, fine) in [(1e4, 1e-11, 1e-9), (1e9, 1e-6, 1e-4)] {
+            let refused = Sphere::new(DVec3::splat(at), hidden);
+            assert_eq!(refused, Err(ShapeError::Radius(hidden)));
+            assert!(Sphere::new(DVec3::splat(at), fine).is_ok());
+        }
+        let text = ShapeError::Radius(1e-11).to_string();
+        assert!(
+            text.contains("1e-11") || text.contains("0.00000000001"),
+            "{text}"
+        );
     }
 }

@@ -45,6 +45,7 @@ impl SurfacePoint {
 /// by one more, and seen again through a difference and a scalar product; the
 /// rounding of the normal tilts the shape by another two. In all less than
 /// 20 · 2⁻⁵³ `reach` along the normal.
-pub(super) fn error_bound(reach: f64) -> f64 {
+#[inline]
+pub(in crate::render) fn error_bound(reach: f64) -> f64 {
     16.0 * f64::EPSILON * reach
 }

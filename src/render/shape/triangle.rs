@@ -93,3 +93,80 @@ impl Pdf for Triangle {
         if inside { self.density } else { 0.0 }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::Shape;
+
+    const LAST: f64 = 1.0 - f64::EPSILON / 2.0;
+
+    fn meet(origin: DVec3, towards: DVec3) -> Option<f64> {
+        let (a, b, c) = (DVec3::ZERO, 4.0 * DVec3::X, 2.0 * DVec3::Y);
+        let ray = Ray {
+            origin,
+            direction: towards.normalize(),
+        };
+        let triangle = Triangle::new(a, b, c).unwrap();
+        triangle.intersect(&ray, f64::INFINITY)
+    }
+
+    #[test]
+    fn rays_meet_it_where_they_should() {
+        let down = |x, y| meet(DVec3::new(x, y, 3.0), -DVec3::Z);
+        for (x, y) in [
+            (1.0, 0.5),
+            (0.0, 0.0),
+            (4.0, 0.0),
+            (0.0, 2.0),
+            (2.0, 0.0),
+            (0.0, 1.0),
+            (2.0, 1.0),
+        ] {
+            assert_eq!(down(x, y), Some(3.0), "{x} {y}");
+        }
+        for (x, y) in [(-1e-9, 1.0), (1.0, -1e-9), (2.0, 1.0 + 1e-9), (4.0, 2.0)] {
+            assert_eq!(down(x, y), None, "{x} {y}");
+        }
+        let above = DVec3::new(1.0, 0.5, 3.0);
+        assert_eq!(meet(above, DVec3::Z), None, "behind");
+        assert_eq!(meet(-above, DVec3::Z), None, "beside");
+        assert_eq!(meet(above, DVec3::X), None, "parallel");
+        assert_eq!(
+            meet(DVec3::new(-1.0, 0.5, 0.0), DVec3::X),
+            None,
+            "in its plane"
+        );
+        assert_eq!(
+            meet(above - 6.0 * DVec3::Z, DVec3::Z),
+            Some(3.0),
+            "from the back"
+        );
+    }
+
+    #[test]
+    fn density_is_that_of_the_samples() {
+        for (at, size) in [(0.0, 1.0), (1e4, 1e-3), (1e9, 1.0), (-1e4, 1e3)] {
+            let a = DVec3::new(at, -at, at);
+            let b = a + size * DVec3::new(0.6, 0.3, -0.2);
+            let c = a + size * DVec3::new(-0.1, 0.4, 0.7);
+            let s = Shape::from(Triangle::new(a, b, c).unwrap());
+            for u in [0.0, 0.3, LAST] {
+                for v in [0.0, 0.8, LAST] {
+                    let x = s.sample([u, v]);
+                    assert_eq!(s.density(&x.point), x.density, "{at} {u} {v}");
+                    assert!((x.density * s.area() - 1.0).abs() < 1e-15);
+                }
+            }
+            let x = s.sample([0.5, 0.5]).point;
+            let beyond = (b - a) + (c - a);
+            for position in [
+                a + beyond,
+                a - 0.1 * beyond,
+                x.position + 2.0 * x.error * x.normal,
+            ] {
+                assert_eq!(s.density(&SurfacePoint { position, ..x }), 0.0);
+            }
+        }
+    }
+}
