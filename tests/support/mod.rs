@@ -23,6 +23,8 @@ pub mod kolmogorov;
 pub mod mean;
 pub mod pdf_laws;
 pub mod quadrature;
+#[cfg(feature = "render")]
+pub mod reference;
 pub mod sampler_laws;
 pub mod significance;
 
