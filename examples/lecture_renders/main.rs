@@ -1,0 +1,97 @@
+//! The lectures' ways to render, given the same time.
+//!
+//! ```text
+//! cargo run --release --example lecture_renders [-- --full]
+//! ```
+//!
+//! Each pseudo-code renders the same box for as long as every other, and is
+//! compared with what another renderer makes of it (`tests/references`). Errors
+//! are root mean squares over pixels and channels, as parts of the mean
+//! radiance: over the whole image, and away from the light, without the pixels
+//! that see it and their neighbours. Where the light's edge crosses a pixel a
+//! sample is very bright or dark, whatever the technique, and hides the rest.
+//!
+//! With `--full` the pictures go to `docs/lecture_renders.svg` and the errors
+//! against time to `docs/lecture_renders_error.svg`; else, from shorter runs, to
+//! the folder for temporary files.
+
+mod chart;
+mod presets;
+#[path = "../../tests/support/reference.rs"]
+mod reference;
+mod sheet;
+mod view;
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use estimand::estimate::Ratio;
+use estimand::render::Pixel;
+use view::View;
+
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+fn main() -> Outcome<()> {
+    let full = std::env::args().any(|argument| argument == "--full");
+    let (longest, folder) = if full {
+        let docs = concat!(env!("CARGO_MANIFEST_DIR"), "/docs");
+        (4.0, PathBuf::from(docs))
+    } else {
+        (0.5, std::env::temp_dir())
+    };
+    let view = View::new()?;
+    let presets = presets::all();
+
+    println!("A box of 48 × 48 pixels, {longest} s for each preset\n");
+    println!(
+        "{:<28}{:>6}{:>9}{:>8}{:>11}{:>14}{:>14}",
+        "preset", "s", "samples", "RMSE", "away from", "mean, green", "expected"
+    );
+    println!("{:>62}", "the light");
+    println!("{}", "─".repeat(90));
+    let mut runs = Vec::new();
+    for (preset, seed) in presets.iter().zip(1..) {
+        let budgets = [1.0 / 64.0, 1.0 / 16.0, 0.25].map(|part| part * longest);
+        let mut points = Vec::new();
+        for (seconds, budget) in budgets.into_iter().zip(0..) {
+            points.push(view.spend(preset.technique, seconds, [seed, budget])?);
+        }
+        let run = view.spend(preset.technique, longest, [seed, 3])?;
+        let expected = view.expected(preset.technique)?;
+        let mean = view.mean(&run.image);
+        println!(
+            "{:<28}{:>6.2}{:>9}{:>7.1}%{:>10.1}%{:>14}{:>14}",
+            preset.name,
+            run.seconds,
+            run.samples(),
+            100.0 * run.errors.whole,
+            100.0 * run.errors.away,
+            green(&mean).to_string(),
+            expected.map_or("–".into(), |p| green(&p).to_string()),
+        );
+        view.judge(preset, &mean, expected.as_ref());
+        points.push(run);
+        runs.push(points);
+    }
+    println!("{}", "─".repeat(90));
+    println!(
+        "The reference has the mean {}. Where paths are cut short, less is",
+        green(&view.mean(&view.reference))
+    );
+    println!("expected; fixed directions expect nothing in particular.");
+
+    let pictures = folder.join("lecture_renders.svg");
+    sheet::draw(&pictures, longest, &presets, &runs, &view.reference)?;
+    let errors = folder.join("lecture_renders_error.svg");
+    chart::draw(&errors, &presets, &runs)?;
+    println!("\n{}\n{}", pictures.display(), errors.display());
+    Ok(())
+}
+
+/// One channel, as it prints.
+fn green(pixel: &Pixel) -> Ratio {
+    Ratio {
+        value: pixel.mean.y,
+        standard_error: pixel.standard_error.y,
+    }
+}

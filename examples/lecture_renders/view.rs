@@ -1,0 +1,186 @@
+//! The box, its reference, and how an image of it is judged.
+
+use std::time::Instant;
+
+use estimand::prelude::*;
+use estimand::render::{Camera, Film, Image, Layout, Pixel, Radiance, Scene, Technique, scenes};
+use glam::DVec3;
+
+use crate::Outcome;
+use crate::presets::Preset;
+use crate::reference::{self, SIZE};
+
+/// Standard errors that the mean of an image may be off. They are taken from
+/// the samples themselves, of which the bright ones are rare.
+const WITHIN: f64 = 6.0;
+
+pub struct View {
+    scene: Scene,
+    camera: Camera,
+    pub reference: Image,
+    /// The pixels that do not see the light, nor do their neighbours.
+    away: Vec<usize>,
+}
+
+/// What a technique made of its time.
+pub struct Run {
+    pub image: Image,
+    pub seconds: f64,
+    pub errors: Errors,
+}
+
+/// Root-mean-square errors as parts of the mean.
+#[derive(Clone, Copy)]
+pub struct Errors {
+    pub whole: f64,
+    /// Away from the light.
+    pub away: f64,
+}
+
+impl Run {
+    /// Samples a pixel.
+    pub fn samples(&self) -> u64 {
+        self.image.pixels[0].samples
+    }
+}
+
+impl View {
+    pub fn new() -> Outcome<Self> {
+        let (scene, camera) = scenes::cornell2()?;
+        let mut view = Self {
+            scene,
+            camera,
+            reference: reference::read("cornell2.full")?,
+            away: Vec::new(),
+        };
+        let light = view.image(cut(1), 64, [0, 0])?;
+        let sees_light = |column, row| {
+            let pixel = light.pixel(column, row);
+            pixel.is_some_and(|p| p.mean != DVec3::ZERO)
+        };
+        let [width, height] = SIZE;
+        for row in 0..height {
+            for column in 0..width {
+                let rows = row.saturating_sub(1)..=row + 1;
+                let near =
+                    rows.flat_map(|j| (column.saturating_sub(1)..=column + 1).map(move |i| (i, j)));
+                if !near.into_iter().any(|(i, j)| sees_light(i, j)) {
+                    view.away.push((row * width + column) as usize);
+                }
+            }
+        }
+        Ok(view)
+    }
+
+    /// An image with so many samples a pixel.
+    fn image(&self, technique: Technique, samples: u64, seed: [u64; 2]) -> Outcome<Image> {
+        let [width, height] = SIZE.map(u64::from);
+        self.run(technique, SIZE, width * height * samples, seed)
+    }
+
+    fn run(
+        &self,
+        technique: Technique,
+        size: [u32; 2],
+        budget: u64,
+        [seed, part]: [u64; 2],
+    ) -> Outcome<Image> {
+        let seen = Radiance::new(&self.scene, technique)?.seen_by(self.camera);
+        let points = Independent::new(seed).randomize(part);
+        let mut film = Film::new(seen, points, size)?;
+        Ok(run(&mut film, &Threads, &Stop::samples(budget))?.answer)
+    }
+
+    /// As many samples as `seconds` pay for, and 2 a pixel at least.
+    pub fn spend(&self, technique: Technique, seconds: f64, seed: [u64; 2]) -> Outcome<Run> {
+        // What a sample costs, from a smaller film.
+        let mut pilot = 12 * 12 * 2;
+        let cost = loop {
+            let start = Instant::now();
+            self.run(technique, [12, 12], pilot, seed)?;
+            let elapsed = start.elapsed().as_secs_f64();
+            if elapsed > f64::max(0.02, 0.1 * seconds) {
+                break elapsed / pilot as f64;
+            }
+            pilot *= 4;
+        };
+        let pixels = self.reference.pixels.len() as f64;
+        let samples = (seconds / cost / pixels).max(2.0) as u64;
+
+        let start = Instant::now();
+        let image = self.image(technique, samples, seed)?;
+        Ok(Run {
+            seconds: start.elapsed().as_secs_f64(),
+            errors: Errors {
+                whole: error(&image, &self.reference)?,
+                away: error(&self.away(&image), &self.away(&self.reference))?,
+            },
+            image,
+        })
+    }
+
+    /// An image of the pixels away from the light, side by side.
+    fn away(&self, image: &Image) -> Image {
+        let pixels: Vec<_> = self.away.iter().map(|&p| image.pixels[p]).collect();
+        Image {
+            width: pixels.len() as u32,
+            height: 1,
+            pixels,
+        }
+    }
+
+    /// Their mean.
+    pub fn mean(&self, image: &Image) -> Pixel {
+        self.away(image).mean()
+    }
+
+    /// The mean away from the light that a technique should have: that of the reference, or
+    /// of paths that are cut as short. `None` of fixed directions.
+    pub fn expected(&self, technique: Technique) -> Outcome<Option<Pixel>> {
+        Ok(match technique {
+            Technique {
+                layout: Layout::Grid(..),
+                ..
+            } => None,
+            Technique {
+                max_vertices: Some(n),
+                ..
+            } => Some(self.mean(&self.image(cut(n), 256, [0, u64::from(n)])?)),
+            _ => Some(self.mean(&self.reference)),
+        })
+    }
+
+    /// Fails unless an image's mean is what it should be, and less than the
+    /// reference where paths are cut short.
+    pub fn judge(&self, preset: &Preset, mean: &Pixel, expected: Option<&Pixel>) {
+        let off = |a: &Pixel, b: &Pixel, channel: usize| {
+            let errors = [a, b].map(|p| p.standard_error[channel]);
+            (a.mean[channel] - b.mean[channel]) / errors[0].hypot(errors[1])
+        };
+        let reference = self.mean(&self.reference);
+        for channel in 0..3 {
+            if let Some(expected) = expected {
+                let off = off(mean, expected, channel);
+                assert!(off.abs() <= WITHIN, "{}: {off}", preset.name);
+            }
+            if let (Some(_), Some(expected)) = (preset.technique.max_vertices, expected) {
+                let off = off(expected, &reference, channel);
+                assert!(off < -WITHIN, "{}: {off}", preset.name);
+            }
+        }
+    }
+}
+
+fn error(image: &Image, reference: &Image) -> Outcome<f64> {
+    let truth: Vec<_> = reference.pixels.iter().map(|p| p.mean).collect();
+    let rmse = image.rmse(&truth).ok_or("not of one size")?;
+    Ok(3.0 * rmse / reference.mean().mean.element_sum())
+}
+
+/// The crate's own technique, with paths of at most n vertices.
+fn cut(n: u32) -> Technique {
+    Technique {
+        max_vertices: Some(n),
+        ..Technique::path_tracing()
+    }
+}
