@@ -10,7 +10,7 @@ use crate::presets::Preset;
 use crate::view::Run;
 
 /// Of Okabe & Ito, told apart by every eye; the three of A13 share a hue.
-const COLOURS: [RGBColor; 10] = [
+static COLOURS: [RGBColor; 10] = [
     RGBColor(130, 130, 130),
     RGBColor(86, 180, 233),
     RGBColor(86, 180, 233),
@@ -74,7 +74,7 @@ pub fn draw(path: &Path, presets: &[Preset], runs: &[Vec<Run>]) -> Outcome<()> {
     let labels = apart(&ends.iter().map(|end| end.1).collect::<Vec<_>>());
     let left = 1.6 * longest;
     for (n, (preset, runs)) in presets.iter().zip(runs).enumerate() {
-        let colour = COLOURS[n % COLOURS.len()];
+        let colour = &COLOURS[n % COLOURS.len()];
         let points = || runs.iter().map(|r| (r.seconds, r.errors.away));
         if preset.technique.is_biased() {
             let dashes = DashedLineSeries::new(points(), 6, 4, colour.stroke_width(2));
@@ -89,22 +89,25 @@ pub fn draw(path: &Path, presets: &[Preset], runs: &[Vec<Run>]) -> Outcome<()> {
         };
         let leader = [ends[n], (0.93 * left, labels[n])];
         chart.draw_series([PathElement::new(leader, GREY.stroke_width(1))])?;
-        let mark = ["●", "▲", "×"][n % 3];
-        let style = TextStyle::from(("sans-serif", 16).into_font())
-            .color(&colour)
-            .pos(Pos::new(HPos::Left, VPos::Center));
-        let label = format!("{mark} {}", preset.name);
-        chart.draw_series([Text::new(label, (left, labels[n]), style)])?;
+        let mark = label(["●", "▲", "×"][n % 3], (left, labels[n]), colour);
+        chart.draw_series([mark, label(preset.name, (1.18 * left, labels[n]), &INK)])?;
     }
+    chart.draw_series([label("dashed: biased", (shortest, 0.85 * best), &INK)])?;
     area.present()?;
     Ok(())
+}
+
+fn label<'a>(text: &str, at: (f64, f64), colour: &'a RGBColor) -> Text<'a, (f64, f64), String> {
+    let style = TextStyle::from(("sans-serif", 16).into_font())
+        .color(colour)
+        .pos(Pos::new(HPos::Left, VPos::Center));
+    Text::new(text.to_string(), at, style)
 }
 
 /// Places for labels: in the order of what they label, near it, and apart.
 fn apart(values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
-    // Pushed up from below, then all moved back by the mean push.
     let mut places = values.to_vec();
     for pair in order.windows(2) {
         places[pair[1]] = places[pair[1]].max(APART * places[pair[0]]);

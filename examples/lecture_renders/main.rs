@@ -26,8 +26,9 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use estimand::estimate::Ratio;
-use estimand::render::Pixel;
-use view::View;
+use estimand::render::{Layout, Pixel};
+use presets::Preset;
+use view::{Run, View};
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
@@ -71,6 +72,7 @@ fn main() -> Outcome<()> {
         );
         view.judge(preset, &mean, expected.as_ref());
         points.push(run);
+        fall(preset, &points);
         runs.push(points);
     }
     println!("{}", "─".repeat(90));
@@ -78,7 +80,7 @@ fn main() -> Outcome<()> {
         "The reference has the mean {}. Where paths are cut short, less is",
         green(&view.mean(&view.reference))
     );
-    println!("expected; fixed directions expect nothing in particular.");
+    println!("expected. Fixed directions show a pattern, which no time mends.");
 
     let pictures = folder.join("lecture_renders.svg");
     sheet::draw(&pictures, longest, &presets, &runs, &view.reference)?;
@@ -86,6 +88,19 @@ fn main() -> Outcome<()> {
     chart::draw(&errors, &presets, &runs)?;
     println!("\n{}\n{}", pictures.display(), errors.display());
     Ok(())
+}
+
+/// Fails unless errors fall with time, and those of fixed directions don't.
+fn fall(preset: &Preset, runs: &[Run]) {
+    let (Some(first), Some(last)) = (runs.first(), runs.last()) else {
+        return;
+    };
+    let ratio = last.errors.away / first.errors.away;
+    if matches!(preset.technique.layout, Layout::Grid(..)) {
+        assert!(ratio > 0.8, "{}: {ratio}", preset.name);
+    } else if last.samples() >= 8 * first.samples() {
+        assert!(ratio < 0.8, "{}: {ratio}", preset.name);
+    }
 }
 
 /// One channel, as it prints.

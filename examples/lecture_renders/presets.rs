@@ -22,13 +22,13 @@ pub fn all() -> [Preset; 10] {
     [
         preset(
             "A4 classic ray tracing",
-            "4 × 8 fixed rays, 2 vertices",
+            "4 × 8 fixed directions, 2 vertices",
             Technique::classic(4, 8, 2),
         ),
-        preset("A13 MC_RT, uniform", "4 rays, 4 vertices", rays),
+        preset("A13 MC_RT, uniform", "4 rays a vertex, 4 vertices", rays),
         preset(
             "A13 MC_RT, stratified",
-            "2 × 2 rays, 4 vertices",
+            "2 × 2 rays a vertex, 4 vertices",
             Technique {
                 layout: Layout::Stratified(2, 2),
                 ..rays
@@ -36,7 +36,7 @@ pub fn all() -> [Preset; 10] {
         ),
         preset(
             "A13 MC_RT, cosine-weighted",
-            "4 rays, 4 vertices",
+            "4 rays a vertex, 4 vertices",
             Technique {
                 directions: Directions::Cosine,
                 ..rays
@@ -44,25 +44,29 @@ pub fn all() -> [Preset; 10] {
         ),
         preset(
             "B2 direct, by hitting",
-            "16 rays, 2 vertices",
+            "16 rays a vertex, 2 vertices",
             Technique::shade_direct(16),
         ),
         preset(
             "B3 branching",
-            "4 rays, 5 vertices",
-            Technique::shade_branching(4, 5),
+            "4 rays a vertex, 4 vertices",
+            Technique::shade_branching(4, 4),
         ),
-        preset("B4 path tracing", "5 vertices", Technique::shade_path(5)),
+        preset(
+            "B4 path tracing",
+            "1 ray a vertex, 4 vertices",
+            Technique::shade_path(4),
+        ),
         preset(
             "B5 roulette",
             "goes on with 0.8",
             Technique::shade_roulette(roulette),
         ),
         preset(
-            "B6 the light's area",
-            "goes on with 0.8",
+            "B6 the light’s area",
+            "and roulette, goes on with 0.8",
             Technique::shade_light(roulette),
         ),
-        preset("path_tracing()", "this crate's", Technique::path_tracing()),
+        preset("path_tracing()", "this crate’s", Technique::path_tracing()),
     ]
 }

@@ -17,7 +17,7 @@ use crate::view::Run;
 /// its caption; how far the edge is off.
 const PIXEL: usize = 5;
 const PICTURE: usize = 240;
-const CELL: [usize; 2] = [PICTURE + 16, PICTURE + 70];
+const CELL: [usize; 2] = [PICTURE + 16, PICTURE + 88];
 const EDGE: [usize; 2] = [16, 64];
 const COLUMNS: usize = 4;
 
@@ -30,6 +30,7 @@ pub fn draw(
     runs: &[Vec<Run>],
     reference: &Image,
 ) -> Outcome<()> {
+    let samples = |n: &dyn std::fmt::Display| format!("{n} samples a pixel");
     let mut cells = Vec::new();
     for (preset, run) in presets
         .iter()
@@ -40,36 +41,32 @@ pub fn draw(
         } else {
             ""
         };
-        cells.push((
-            png(&run.image, shown)?,
+        let errors = [run.errors.whole, run.errors.away].map(percent);
+        let lines = [
             preset.name.to_string(),
-            format!(
-                "{}{biased}; {} samples a pixel",
-                preset.detail,
-                run.samples()
-            ),
-            format!(
-                "RMSE {}, away from the light {}",
-                percent(run.errors.whole),
-                percent(run.errors.away)
-            ),
-        ));
+            preset.detail.to_string(),
+            samples(&run.samples()) + biased,
+            format!("RMSE {}, away from the light {}", errors[0], errors[1]),
+        ];
+        cells.push((png(&run.image, shown)?, lines));
     }
     if let Some(run) = runs.last().and_then(|runs| runs.last()) {
-        let bar = |image: &Image, p: usize| image.pixels[p].standard_error.map(|e| e / ERROR);
-        cells.push((
-            png(&run.image, bar)?,
-            "The error bars of path_tracing()".into(),
-            format!("full brightness: {ERROR}"),
-            "what it knows without any reference".into(),
-        ));
+        let bar = |image: &Image, p: usize| TIMES * image.pixels[p].standard_error;
+        let lines = [
+            "Its error bars".into(),
+            format!("shown {TIMES} times as bright"),
+            "known from the samples alone".into(),
+            String::new(),
+        ];
+        cells.push((png(&run.image, bar)?, lines));
     }
-    cells.push((
-        png(reference, shown)?,
+    let lines = [
         "The reference".into(),
-        "Mitsuba 3.9.1, path; 131,072 samples a pixel".into(),
+        "Mitsuba 3.9.1, path".into(),
+        samples(&"131,072"),
         String::new(),
-    ));
+    ];
+    cells.push((png(reference, shown)?, lines));
 
     let rows = cells.len().div_ceil(COLUMNS);
     let [width, height] = [EDGE[0] + COLUMNS * CELL[0], EDGE[1] + rows * CELL[1]];
@@ -81,7 +78,7 @@ pub fn draw(
          {seconds} s for each</text>\n",
         EDGE[0]
     );
-    for (n, (picture, name, detail, error)) in cells.iter().enumerate() {
+    for (n, (picture, lines)) in cells.iter().enumerate() {
         let (x, y) = (
             EDGE[0] + n % COLUMNS * CELL[0],
             EDGE[1] + n / COLUMNS * CELL[1],
@@ -92,25 +89,22 @@ pub fn draw(
              href=\"data:image/png;base64,{}\"/>",
             base64(picture)
         )?;
-        let lines = [
-            (name, 15, "bold"),
-            (detail, 12, "normal"),
-            (error, 12, "normal"),
-        ];
-        for ((text, size, weight), below) in lines.into_iter().zip([19, 36, 52]) {
-            writeln!(
-                svg,
-                "<text x=\"{x}\" y=\"{}\" font-size=\"{size}\" font-weight=\"{weight}\">{text}</text>",
-                y + PICTURE + below
-            )?;
+        for (text, below) in lines.iter().zip([19, 37, 53, 69]) {
+            let style = if below == 19 {
+                "font-size=\"15\" font-weight=\"bold\""
+            } else {
+                "font-size=\"12\""
+            };
+            let y = y + PICTURE + below;
+            writeln!(svg, "<text x=\"{x}\" y=\"{y}\" {style}>{text}</text>")?;
         }
     }
     svg.push_str("</svg>\n");
     Ok(fs::write(path, svg)?)
 }
 
-/// The standard error that is painted at full brightness.
-const ERROR: f64 = 0.05;
+/// How much brighter errors are painted than they are.
+const TIMES: f64 = 50.0;
 
 fn shown(image: &Image, pixel: usize) -> DVec3 {
     image.pixels[pixel].mean
