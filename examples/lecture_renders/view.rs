@@ -73,44 +73,41 @@ impl View {
     }
 
     /// An image with so many samples a pixel.
-    fn image(&self, technique: Technique, samples: u64, seed: [u64; 2]) -> Outcome<Image> {
-        let [width, height] = SIZE.map(u64::from);
-        self.run(technique, SIZE, width * height * samples, seed)
-    }
-
-    fn run(
-        &self,
-        technique: Technique,
-        size: [u32; 2],
-        budget: u64,
-        [seed, part]: [u64; 2],
-    ) -> Outcome<Image> {
+    fn image(&self, technique: Technique, samples: u64, [seed, part]: [u64; 2]) -> Outcome<Image> {
         let seen = Radiance::new(&self.scene, technique)?.seen_by(self.camera);
         let points = Independent::new(seed).randomize(part);
-        let mut film = Film::new(seen, points, size)?;
-        Ok(run(&mut film, &Threads, &Stop::samples(budget))?.answer)
+        let mut film = Film::new(seen, points, SIZE)?;
+        let [width, height] = SIZE.map(u64::from);
+        let stop = Stop::samples(width * height * samples);
+        Ok(run(&mut film, &Threads, &stop)?.answer)
+    }
+
+    /// What a sample of each pixel costs, in seconds.
+    pub fn cost(&self, technique: Technique, seed: [u64; 2]) -> Outcome<f64> {
+        let mut samples = 2;
+        loop {
+            let start = Instant::now();
+            self.image(technique, samples, seed)?;
+            let elapsed = start.elapsed().as_secs_f64();
+            if elapsed > 0.04 {
+                return Ok(elapsed / samples as f64);
+            }
+            samples *= 4;
+        }
     }
 
     /// As many samples as `seconds` pay for, and 2 a pixel at least.
-    pub fn spend(&self, technique: Technique, seconds: f64, seed: [u64; 2]) -> Outcome<Run> {
-        // What a sample costs, from a smaller film.
-        let mut pilot = 12 * 12 * 2;
-        let cost = loop {
-            let start = Instant::now();
-            self.run(technique, [12, 12], pilot, seed)?;
-            let elapsed = start.elapsed().as_secs_f64();
-            if elapsed > f64::max(0.02, 0.1 * seconds) {
-                break elapsed / pilot as f64;
-            }
-            pilot *= 4;
-        };
-        let pixels = self.reference.pixels.len() as f64;
-        let samples = (seconds / cost / pixels).max(2.0) as u64;
-
-        let start = Instant::now();
+    pub fn spend(
+        &self,
+        technique: Technique,
+        cost: f64,
+        seconds: f64,
+        seed: [u64; 2],
+    ) -> Outcome<Run> {
+        let samples = (seconds / cost).max(2.0) as u64;
         let image = self.image(technique, samples, seed)?;
         Ok(Run {
-            seconds: start.elapsed().as_secs_f64(),
+            seconds: cost * samples as f64,
             errors: Errors {
                 whole: error(&image, &self.reference)?,
                 away: error(&self.away(&image), &self.away(&self.reference))?,
