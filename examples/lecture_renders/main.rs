@@ -64,13 +64,13 @@ fn main() -> Outcome<()> {
         }
     }
     let mut runs = Vec::new();
-    for ((preset, cost), seed) in presets.iter().zip(costs).zip(1..) {
-        let spend = |part: f64, k| view.spend(preset.technique, cost, part * longest, [seed, k]);
-        let mut points = Vec::new();
-        for (part, k) in [1.0 / 64.0, 1.0 / 16.0, 0.25].into_iter().zip(0..) {
-            points.push(spend(part, k)?);
-        }
-        let run = spend(1.0, 3)?;
+    for ((preset, cost), number) in presets.iter().zip(costs).zip(1..) {
+        let spend = |part, repeats| {
+            let seed = 100 * number + repeats;
+            view.spend(preset.technique, cost, longest / part, repeats, seed)
+        };
+        let mut points = vec![spend(64.0, 8)?, spend(16.0, 4)?, spend(4.0, 2)?];
+        let run = spend(1.0, 1)?;
         let expected = view.expected(preset.technique)?;
         let mean = view.mean(&run.image);
         println!(

@@ -96,23 +96,33 @@ impl View {
         }
     }
 
-    /// As many samples as `seconds` pay for, and 2 a pixel at least.
+    /// An image of as many samples as `seconds` pay for, 2 a pixel at least. Its
+    /// errors are root mean squares over `repeats` such images: one may be lucky.
     pub fn spend(
         &self,
         technique: Technique,
         cost: f64,
         seconds: f64,
-        seed: [u64; 2],
+        repeats: u64,
+        seed: u64,
     ) -> Outcome<Run> {
         let samples = (seconds / cost).max(2.0) as u64;
-        let image = self.image(technique, samples, seed)?;
+        let mut squares = [0.0, 0.0];
+        let mut repeat = 0;
+        let image = loop {
+            let image = self.image(technique, samples, [seed, repeat])?;
+            squares[0] += error(&image, &self.reference)?.powi(2);
+            squares[1] += error(&self.away(&image), &self.away(&self.reference))?.powi(2);
+            repeat += 1;
+            if repeat >= repeats {
+                break image;
+            }
+        };
+        let [whole, away] = squares.map(|sum| (sum / repeat as f64).sqrt());
         Ok(Run {
-            seconds: cost * samples as f64,
-            errors: Errors {
-                whole: error(&image, &self.reference)?,
-                away: error(&self.away(&image), &self.away(&self.reference))?,
-            },
             image,
+            seconds: cost * samples as f64,
+            errors: Errors { whole, away },
         })
     }
 
