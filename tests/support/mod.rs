@@ -25,6 +25,8 @@ pub mod pdf_laws;
 pub mod quadrature;
 #[cfg(feature = "render")]
 pub mod radiometry;
+#[cfg(feature = "render")]
+pub mod reference;
 pub mod sampler_laws;
 pub mod significance;
 #[cfg(feature = "render")]
