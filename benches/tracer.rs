@@ -115,11 +115,11 @@ fn main() -> Result<(), Error> {
         return Ok(());
     }
     println!(
-        "scene      points and roulette             threads  Mpaths/s  rays/path  ns/ray  RMSE all  RMSE dark  error² · time"
+        "scene       points and roulette             threads  Mpaths/s  rays/path  ns/ray  RMSE all  RMSE dark  error² · time"
     );
     for (name, (scene, camera)) in [
         ("cornell2", scenes::cornell2()?),
-        ("smalllight", scenes::small_light()?),
+        ("small_light", scenes::small_light()?),
     ] {
         let view = |technique| -> Result<Seen<'_>, Error> {
             Ok(Radiance::new(&scene, technique)?.seen_by(camera))
@@ -183,7 +183,7 @@ fn main() -> Result<(), Error> {
                 (squares.sum::<f64>() / ROUNDS as f64).sqrt()
             };
             println!(
-                "{name:<10} {:<32} {:>6} {:>9.3} {:>10.2} {:>7.1} {:>9.4} {:>10.4} {:>12.6}",
+                "{name:<11} {:<32} {:>6} {:>9.3} {:>10.2} {:>7.1} {:>9.4} {:>10.4} {:>12.6}",
                 row.name,
                 row.threads,
                 paths * 1e-6,
