@@ -2,6 +2,7 @@
 
 use glam::{BVec3, DVec3};
 
+use super::scene::Way;
 use super::{Camera, Choice, Direct, Hit, Lights, Ray, Scene, Surface, Technique, TechniqueError};
 use crate::estimator::{Estimator, FromFn};
 use crate::pdf::Pdf;
@@ -108,6 +109,7 @@ impl<'a> Radiance<'a> {
                     kept.push((here, sent + 1));
                 }
             } else {
+                self.finish(&mut path);
                 return path;
             }
         }
@@ -127,7 +129,7 @@ impl<'a> Radiance<'a> {
         }
         let technique = &self.technique;
         path.rays += 1;
-        let Some(hit) = self.scene.intersect(&step.ray) else {
+        let Some(hit) = self.intersect(&step.ray, path) else {
             path.radiance += step.throughput * self.scene.environment();
             return None;
         };
@@ -145,7 +147,7 @@ impl<'a> Radiance<'a> {
         {
             return None;
         }
-        path.radiance += step.throughput * self.direct(&here, u, &mut path.rays);
+        self.direct(&here, step.throughput, u, path);
 
         let chance = technique.roulette.chance(step.throughput, vertices);
         if chance < 1.0 && u.next_1d() >= chance {
@@ -200,39 +202,70 @@ impl<'a> Radiance<'a> {
         }
     }
 
-    /// The light reflected at a vertex that comes straight from lights, as far
-    /// as these are sampled.
+    /// What a ray meets; on the way, the shadow ray that waits is traced, for
+    /// neither has to wait for the other.
     #[inline]
-    fn direct<C: Coordinates>(&self, here: &Vertex<'_>, u: &mut C, rays: &mut u64) -> DVec3 {
+    fn intersect(&self, ray: &Ray, path: &mut Path) -> Option<Hit> {
+        let Some(shadow) = path.shadow.take() else {
+            return self.scene.intersect(ray);
+        };
+        let (hit, seen) = self.scene.intersect_beside(ray, &shadow.way);
+        path.add(&shadow, seen);
+        hit
+    }
+
+    /// Traces the shadow ray that waits, if one does.
+    #[inline]
+    fn finish(&self, path: &mut Path) {
+        if let Some(shadow) = path.shadow.take() {
+            let seen = self.scene.is_clear(&shadow.way);
+            path.add(&shadow, seen);
+        }
+    }
+
+    /// Sends shadow rays from a vertex to lights, as far as these are sampled.
+    #[inline]
+    fn direct<C: Coordinates>(
+        &self,
+        here: &Vertex<'_>,
+        throughput: DVec3,
+        u: &mut C,
+        path: &mut Path,
+    ) {
         let (Direct::Light(lights) | Direct::Both(lights, _)) = self.technique.direct else {
-            return DVec3::ZERO;
+            return;
         };
         if here.surface.is_specular() {
-            return DVec3::ZERO;
+            return;
         }
+        let mut send = |light, u: &mut C| {
+            if let Some((light, way)) = self.light(here, lights, light, u) {
+                self.finish(path);
+                path.rays += 1;
+                let light = throughput * light;
+                path.shadow = Some(Shadow { light, way });
+            }
+        };
         match (lights.choice, self.scene.by_power()) {
-            (_, None) => DVec3::ZERO,
+            (_, None) => {}
             (Choice::One, Some(by_power)) => {
                 let light = match self.scene.lights() {
                     [only] => *only,
                     lights => lights[by_power.sample(u.next_1d()).point],
                 };
-                self.light(here, lights, light, u, rays)
+                send(light, u);
             }
             (Choice::All { samples }, Some(_)) => {
-                let mut sum = DVec3::ZERO;
                 for &light in self.scene.lights() {
                     for _ in 0..samples {
-                        sum += self.light(here, lights, light, u, rays);
+                        send(light, u);
                     }
                 }
-                sum
             }
         }
     }
 
-    /// f Lₑ cos θ/(n p) at a sampled point of a light, if nothing stands
-    /// between.
+    /// f Lₑ cos θ/(n p) at a sampled point of a light, and the way there.
     #[inline]
     fn light<C: Coordinates>(
         &self,
@@ -240,8 +273,7 @@ impl<'a> Radiance<'a> {
         lights: Lights,
         light: usize,
         u: &mut C,
-        rays: &mut u64,
-    ) -> DVec3 {
+    ) -> Option<(DVec3, Way)> {
         let x = &here.hit.point;
         let sample = self
             .scene
@@ -249,7 +281,7 @@ impl<'a> Radiance<'a> {
         let cos = here.normal.dot(sample.direction);
         let emitted = self.scene.emitted(light, &sample.point, -sample.direction);
         if cos <= 0.0 || emitted == DVec3::ZERO {
-            return DVec3::ZERO;
+            return None;
         }
         let by_light = lights.expected(self.scene, light) * sample.density;
         let weight = match self.technique.direct {
@@ -268,13 +300,7 @@ impl<'a> Radiance<'a> {
             .surface
             .evaluate(here.normal, here.outgoing, sample.direction);
         let arriving = f * emitted * (weight * cos / by_light);
-        if arriving == DVec3::ZERO {
-            return arriving;
-        }
-        *rays += 1;
-        // Chosen, not branched to: whether a light is seen is hard to foretell.
-        let seen = self.scene.visible_from(x, &sample.point, sample.distance);
-        DVec3::select(BVec3::splat(seen), arriving, DVec3::ZERO)
+        (arriving != DVec3::ZERO).then(|| (arriving, Way::new(x, &sample.point, sample.distance)))
     }
 }
 
@@ -283,6 +309,22 @@ impl<'a> Radiance<'a> {
 struct Path {
     radiance: DVec3,
     rays: u64,
+    /// A shadow ray that is still to be traced.
+    shadow: Option<Shadow>,
+}
+
+/// A shadow ray, and the light that comes along it if nothing stands between.
+struct Shadow {
+    light: DVec3,
+    way: Way,
+}
+
+impl Path {
+    #[inline]
+    fn add(&mut self, shadow: &Shadow, seen: bool) {
+        // Chosen, not branched to: whether a light is seen is hard to foretell.
+        self.radiance += DVec3::select(BVec3::splat(seen), shadow.light, DVec3::ZERO);
+    }
 }
 
 /// A ray of a path.

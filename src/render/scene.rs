@@ -230,8 +230,12 @@ impl Scene {
     #[must_use]
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        let (distance, primitive) = self.packed.nearest(ray, f64::INFINITY)?;
-        Some(Hit {
+        self.hit(ray, self.packed.nearest(ray, f64::INFINITY))
+    }
+
+    #[inline]
+    fn hit(&self, ray: &Ray, nearest: Option<(f64, usize)>) -> Option<Hit> {
+        nearest.map(|(distance, primitive)| Hit {
             distance,
             point: self.primitives[primitive].shape.point_at(ray, distance),
             primitive,
@@ -243,22 +247,22 @@ impl Scene {
     #[inline]
     pub fn visible(&self, x: &SurfacePoint, y: &SurfacePoint) -> bool {
         let way = (y.position - x.position).length();
-        way == 0.0 || self.visible_from(x, y, way)
+        way == 0.0 || self.is_clear(&Way::new(x, y, way))
     }
 
-    /// [`visible`](Self::visible), of points that are this far apart.
+    /// Whether nothing stands in the way.
     #[inline]
-    pub(super) fn visible_from(&self, x: &SurfacePoint, y: &SurfacePoint, way: f64) -> bool {
-        let direction = y.position - x.position;
-        // Over a long way it is the way's rounding that might put y in its own
-        // shadow.
-        let error = y.error + error_bound(way);
-        let y = SurfacePoint { error, ..*y };
-        let origin = x.off_towards(direction);
-        // Of length 1 but for the offsets, so that y lies at the distance `way`.
-        let direction = (y.off_towards(-direction) - origin) * (1.0 / way);
-        let ray = Ray { origin, direction };
-        self.packed.nearest(&ray, way).is_none()
+    pub(super) fn is_clear(&self, way: &Way) -> bool {
+        self.packed.nearest(&way.ray, way.length).is_none()
+    }
+
+    /// What the ray meets first, and whether the way is clear: both take hardly
+    /// longer than one of them.
+    #[inline]
+    pub(super) fn intersect_beside(&self, ray: &Ray, way: &Way) -> (Option<Hit>, bool) {
+        let rays = [(ray, f64::INFINITY), (&way.ray, way.length)];
+        let [nearest, between] = self.packed.each_nearest(rays);
+        (self.hit(ray, nearest), between.is_none())
     }
 
     /// Lₑ at a point of this primitive in the direction `outgoing`.
@@ -269,6 +273,33 @@ impl Scene {
             self.primitives[primitive].emission
         } else {
             DVec3::ZERO
+        }
+    }
+}
+
+/// The straight way from a point of one shape to a point of another.
+pub(super) struct Way {
+    ray: Ray,
+    length: f64,
+}
+
+impl Way {
+    /// From x to y, which are `length` > 0 apart.
+    #[inline]
+    pub(super) fn new(x: &SurfacePoint, y: &SurfacePoint, length: f64) -> Self {
+        let direction = y.position - x.position;
+        // Over a long way it is the way's rounding that might put y in its own
+        // shadow.
+        let error = y.error + error_bound(length);
+        let y = SurfacePoint { error, ..*y };
+        let origin = x.off_towards(direction);
+        // Not the length that is known: the offsets are small, but they count.
+        let to = y.off_towards(-direction) - origin;
+        let length = to.length();
+        let direction = to * (1.0 / length);
+        Self {
+            ray: Ray { origin, direction },
+            length,
         }
     }
 }

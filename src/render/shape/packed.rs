@@ -41,8 +41,10 @@ struct SpherePack {
     index: f64x2,
 }
 
-/// The nearest shape so far, in each lane.
-struct Nearest {
+/// A ray, and the nearest shape so far in each lane.
+struct Search {
+    origin: Vectors,
+    direction: Vectors,
     distance: f64x2,
     /// Its number, as the bits of a float: for vectors of one kind, and only
     /// ever moved.
@@ -71,31 +73,52 @@ impl Packed {
     /// the number of that shape.
     #[inline]
     pub(in crate::render) fn nearest(&self, ray: &Ray, limit: f64) -> Option<(f64, usize)> {
-        let origin = Vectors::splat(ray.origin);
-        let direction = Vectors::splat(ray.direction);
-        let mut best = Nearest {
+        let [nearest] = self.each_nearest([(ray, limit)]);
+        nearest
+    }
+
+    /// [`nearest`](Self::nearest) of several rays, which do not wait for each
+    /// other.
+    #[inline]
+    pub(in crate::render) fn each_nearest<const N: usize>(
+        &self,
+        rays: [(&Ray, f64); N],
+    ) -> [Option<(f64, usize)>; N] {
+        let mut all = rays.map(|(ray, limit)| Search {
+            origin: Vectors::splat(ray.origin),
+            direction: Vectors::splat(ray.direction),
             distance: f64x2::splat(limit),
             index: f64x2::ZERO,
-        };
+        });
         for pack in &self.facets {
-            best.take(pack.distance(&origin, &direction), pack.index);
+            for s in &mut all {
+                s.take(pack.distance(&s.origin, &s.direction), pack.index);
+            }
         }
         for pack in &self.spheres {
-            best.take(pack.distance(&origin, &direction), pack.index);
+            for s in &mut all {
+                s.take(pack.distance(&s.origin, &s.direction), pack.index);
+            }
         }
-        let [[d, e], [i, j]] = [best.distance.to_array(), best.index.to_array()];
-        let (distance, index) = if d <= e { (d, i) } else { (e, j) };
-        (distance < limit).then_some((distance, index.to_bits() as usize))
+        core::array::from_fn(|k| all[k].nearest(rays[k].1))
     }
 }
 
-impl Nearest {
+impl Search {
     /// Takes those distances that are positive and less than what there is.
     #[inline(always)]
     fn take(&mut self, distance: f64x2, index: f64x2) {
         let nearer = distance.simd_gt(f64x2::ZERO) & distance.simd_lt(self.distance);
         self.distance = nearer.select(distance, self.distance);
         self.index = nearer.select(index, self.index);
+    }
+
+    /// The nearer of the lanes, if it is nearer than `limit`.
+    #[inline(always)]
+    fn nearest(&self, limit: f64) -> Option<(f64, usize)> {
+        let [[d, e], [i, j]] = [self.distance.to_array(), self.index.to_array()];
+        let (distance, index) = if d <= e { (d, i) } else { (e, j) };
+        (distance < limit).then_some((distance, index.to_bits() as usize))
     }
 }
 
