@@ -58,6 +58,10 @@ pub fn solid_angle_density(area_density: f64, to_point: DVec3, normal: DVec3) ->
 impl Scene {
     /// A point of the light that is primitive number `primitive`, drawn at u,
     /// as seen from `from`.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such primitive.
     #[must_use]
     #[inline]
     pub fn sample_light(
@@ -89,6 +93,10 @@ impl Scene {
 
     /// The density, per steradian, with which [`sample_light`](Self::sample_light)
     /// gives this point of the light.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such primitive.
     #[must_use]
     #[inline]
     pub fn light_density(
