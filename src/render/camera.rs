@@ -115,11 +115,25 @@ impl Camera {
     }
 
     /// The same camera with a film of these proportions; the horizontal angle
-    /// stays.
+    /// stays. A [`Film`](super::Film) of other proportions than its camera's
+    /// shows a stretched image.
     ///
     /// # Errors
     ///
     /// Neither is 0.
+    ///
+    /// # Example
+    ///
+    /// ```
+    /// use estimand::render::Camera;
+    /// use glam::DVec3;
+    ///
+    /// let square = Camera::new(DVec3::Z, DVec3::ZERO, DVec3::Y, 90.0)?;
+    /// let wide = square.with_aspect(640, 320)?;
+    /// let top = wide.ray(0.5, 0.0).direction;
+    /// assert!((top - DVec3::new(0.0, 0.5, -1.0).normalize()).length() < 1e-15);
+    /// # Ok::<(), estimand::render::CameraError>(())
+    /// ```
     pub fn with_aspect(self, width: u32, height: u32) -> Result<Self, CameraError> {
         if width == 0 || height == 0 {
             return Err(CameraError::Film(width, height));

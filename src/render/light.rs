@@ -59,6 +59,21 @@ impl Scene {
     /// A point of the light that is primitive number `primitive`, drawn at u,
     /// as seen from `from`.
     ///
+    /// # Example
+    ///
+    /// ```
+    /// use estimand::render::{LightPoints, scenes};
+    /// use glam::DVec3;
+    ///
+    /// let (scene, _) = scenes::small_light()?;
+    /// let (light, x) = (scene.lights()[0], DVec3::ZERO);
+    /// let sample = scene.sample_light(light, LightPoints::Area, x, [0.5, 0.5]);
+    /// assert_eq!(sample.point.position, DVec3::new(0.9, 2.5, -0.1));
+    /// let density = scene.light_density(light, LightPoints::Area, x, &sample.point);
+    /// assert!((sample.density / density - 1.0).abs() < 1e-15);
+    /// # Ok::<(), estimand::render::RenderError>(())
+    /// ```
+    ///
     /// # Panics
     ///
     /// If there is no such primitive.

@@ -94,6 +94,14 @@ pub enum Choice {
 
 /// How the rays that go on from a vertex are spread over the unit square that
 /// their directions are made of.
+///
+/// # Example
+///
+/// ```
+/// use estimand::render::Layout;
+///
+/// assert_eq!(Layout::Stratified(4, 8).rays(), Some(32));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layout {
     /// N independent ones.
@@ -139,6 +147,14 @@ impl Layout {
 ///
 /// The lectures name it both ways: A's α is the chance to stop, B's `P_RR` the
 /// chance to go on.
+///
+/// # Example
+///
+/// ```
+/// use estimand::render::Roulette;
+///
+/// assert_eq!(Roulette::stop(0.25), Roulette::go_on(0.75));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Roulette {
     /// Paths always go on.
