@@ -34,8 +34,13 @@ fn sin_cos_turn(t: f64) -> (f64, f64) {
     let nearest = (quarters + 0.5) as u32;
     let r = quarters - f64::from(nearest);
     let square = r * r;
-    let horner = |c: &[f64]| c.iter().rev().fold(0.0, |p, c| p * square + c);
-    let (sin, cos) = (r * horner(&SIN), horner(&COS));
+    // Estrin's scheme: a tree of sums, where Horner's is a chain.
+    let (x2, x4) = (square, square * square);
+    let pair = |c: &[f64], k: usize| c[k] + c[k + 1] * x2;
+    let sin =
+        r * ((pair(&SIN, 0) + pair(&SIN, 2) * x4) + (pair(&SIN, 4) + SIN[6] * x4) * (x4 * x4));
+    let cos =
+        (pair(&COS, 0) + pair(&COS, 2) * x4) + (pair(&COS, 4) + pair(&COS, 6) * x4) * (x4 * x4);
     let (sin, cos) = if nearest & 1 == 0 {
         (sin, cos)
     } else {

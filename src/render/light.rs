@@ -23,6 +23,8 @@ pub struct LightSample {
     pub point: SurfacePoint,
     /// The direction to it, ω.
     pub direction: DVec3,
+    /// The way to it, ‖x′ − x‖.
+    pub distance: f64,
     /// p(ω), per steradian.
     pub density: f64,
 }
@@ -91,18 +93,35 @@ impl Scene {
             && let Some(cone) = sphere.cone_from(from)
         {
             let Sample { point, density } = cone.sample(u);
+            let to = point.position - from;
+            let distance = to.length();
             return LightSample {
                 point,
-                direction: (point.position - from).normalize(),
+                direction: to * (1.0 / distance),
+                distance,
                 density,
             };
         }
         let Sample { point, density } = shape.sample(u);
         let to = point.position - from;
+        let square = to.length_squared();
+        if square == 0.0 {
+            return LightSample {
+                point,
+                direction: DVec3::ZERO,
+                distance: 0.0,
+                density: f64::INFINITY,
+            };
+        }
+        let distance = square.sqrt();
+        let direction = to * (1.0 / distance);
+        // solid_angle_density, with what is known already
+        let density = density * square / point.normal.dot(direction).abs();
         LightSample {
             point,
-            direction: to.normalize_or_zero(),
-            density: solid_angle_density(density, to, point.normal),
+            direction,
+            distance,
+            density,
         }
     }
 

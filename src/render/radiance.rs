@@ -1,6 +1,6 @@
 //! The rendering equation's estimator.
 
-use glam::DVec3;
+use glam::{BVec3, DVec3};
 
 use super::{Camera, Choice, Direct, Hit, Lights, Ray, Scene, Surface, Technique, TechniqueError};
 use crate::estimator::{Estimator, FromFn};
@@ -272,11 +272,9 @@ impl<'a> Radiance<'a> {
             return arriving;
         }
         *rays += 1;
-        if self.scene.visible(x, &sample.point) {
-            arriving
-        } else {
-            DVec3::ZERO
-        }
+        // Chosen, not branched to: whether a light is seen is hard to foretell.
+        let seen = self.scene.visible_from(x, &sample.point, sample.distance);
+        DVec3::select(BVec3::splat(seen), arriving, DVec3::ZERO)
     }
 }
 

@@ -242,19 +242,23 @@ impl Scene {
     #[must_use]
     #[inline]
     pub fn visible(&self, x: &SurfacePoint, y: &SurfacePoint) -> bool {
+        let way = (y.position - x.position).length();
+        way == 0.0 || self.visible_from(x, y, way)
+    }
+
+    /// [`visible`](Self::visible), of points that are this far apart.
+    #[inline]
+    pub(super) fn visible_from(&self, x: &SurfacePoint, y: &SurfacePoint, way: f64) -> bool {
         let direction = y.position - x.position;
         // Over a long way it is the way's rounding that might put y in its own
         // shadow.
-        let error = y.error + error_bound(direction.abs().max_element());
+        let error = y.error + error_bound(way);
         let y = SurfacePoint { error, ..*y };
         let origin = x.off_towards(direction);
-        let to = y.off_towards(-direction) - origin;
-        let distance = to.length();
-        let ray = Ray {
-            origin,
-            direction: to / distance,
-        };
-        self.packed.nearest(&ray, distance).is_none()
+        // Of length 1 but for the offsets, so that y lies at the distance `way`.
+        let direction = (y.off_towards(-direction) - origin) * (1.0 / way);
+        let ray = Ray { origin, direction };
+        self.packed.nearest(&ray, way).is_none()
     }
 
     /// Lₑ at a point of this primitive in the direction `outgoing`.

@@ -44,7 +44,8 @@ struct SpherePack {
 /// The nearest shape so far, in each lane.
 struct Nearest {
     distance: f64x2,
-    /// Its number: a float, for vectors of one kind.
+    /// Its number, as the bits of a float: for vectors of one kind, and only
+    /// ever moved.
     index: f64x2,
 }
 
@@ -53,7 +54,7 @@ impl Packed {
         let mut facets = Vec::new();
         let mut spheres = Vec::new();
         for (index, shape) in shapes.enumerate() {
-            let index = index as f64;
+            let index = f64::from_bits(index as u64);
             match shape {
                 Shape::Quad(s) => facets.push((s.facet, 2.0, index)),
                 Shape::Triangle(s) => facets.push((s.facet, 1.0, index)),
@@ -84,7 +85,7 @@ impl Packed {
         }
         let [[d, e], [i, j]] = [best.distance.to_array(), best.index.to_array()];
         let (distance, index) = if d <= e { (d, i) } else { (e, j) };
-        (distance < limit).then_some((distance, index as usize))
+        (distance < limit).then_some((distance, index.to_bits() as usize))
     }
 }
 
