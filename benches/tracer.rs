@@ -7,36 +7,33 @@
 //! seen; `error² · time` is what it takes to come to an error of 1, in the
 //! pixels without a light: less is better, and does not depend on the budget.
 
+#[path = "../tests/support/reference.rs"]
+mod reference;
+
 use std::time::Instant;
 
 use estimand::prelude::*;
 use estimand::render::{Film, Image, Radiance, RandomizedFilm, Roulette, Seen, Technique, scenes};
 use glam::DVec3;
+use reference::SIZE;
 
 type Error = Box<dyn std::error::Error>;
 
-const SIZE: [u32; 2] = [48, 48];
 const SAMPLES: u64 = 256;
 const ROUNDS: usize = 7;
 
 /// The reference image, and which pixels see no light nor have a neighbour
 /// that does.
 struct Reference {
-    pixels: Vec<DVec3>,
+    image: Image,
     dark: Vec<bool>,
 }
 
 impl Reference {
     fn read(name: &str, view: Seen<'_>) -> Result<Self, Error> {
-        let root = env!("CARGO_MANIFEST_DIR");
-        let csv = std::fs::read_to_string(format!("{root}/tests/references/{name}.full.csv"))?;
-        let mut pixels = Vec::new();
-        for line in csv.lines().skip(1) {
-            let columns: Vec<f64> = line.split(',').map(str::parse).collect::<Result<_, _>>()?;
-            pixels.push(DVec3::new(columns[2], columns[3], columns[4]));
-        }
+        let image = reference::read(&format!("{name}.full"))?;
         let mut film = Film::new(view, Independent::new(1), SIZE)?;
-        let budget = Stop::samples(64 * pixels.len() as u64);
+        let budget = Stop::samples(64 * image.pixels.len() as u64);
         let seen = run(&mut film, &Serial, &budget)?.answer.pixels;
         let lit = |column: i64, row: i64| {
             (0..48).contains(&column)
@@ -49,17 +46,19 @@ impl Reference {
                 !(0..9).map(near).any(|(column, row)| lit(column, row))
             })
             .collect();
-        Ok(Self { pixels, dark })
+        Ok(Self { image, dark })
     }
 
     /// RMSE over mean, of all pixels and of the dark ones.
     fn errors(&self, image: &Image) -> [f64; 2] {
         [false, true].map(|only_dark| {
             let (mut squares, mut mean, mut n) = (0.0, 0.0, 0.0);
-            for ((ours, theirs), dark) in image.pixels.iter().zip(&self.pixels).zip(&self.dark) {
+            for ((ours, theirs), dark) in
+                image.pixels.iter().zip(&self.image.pixels).zip(&self.dark)
+            {
                 if *dark || !only_dark {
-                    squares += (ours.mean - *theirs).length_squared();
-                    mean += theirs.element_sum();
+                    squares += (ours.mean - theirs.mean).length_squared();
+                    mean += theirs.mean.element_sum();
                     n += 3.0;
                 }
             }

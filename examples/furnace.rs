@@ -91,12 +91,12 @@ fn all_light() -> Outcome<()> {
             cosine(Technique::shade_light(roulette)),
         ),
         (
-            "A13 MC_RT, uniform",
-            endless(Technique::monte_carlo_ray_tracing(1, 1, 0)),
+            "A13 MC_RT, spl = 2",
+            endless(Technique::monte_carlo_ray_tracing(2, 1, 0)),
         ),
         (
-            "A13 MC_RT, cosine-weighted",
-            cosine(endless(Technique::monte_carlo_ray_tracing(1, 1, 0))),
+            "A13 the same, cosine-w.",
+            cosine(endless(Technique::monte_carlo_ray_tracing(2, 1, 0))),
         ),
         ("path_tracing()", Technique::path_tracing()),
     ];
@@ -140,7 +140,7 @@ fn growth(technique: &Technique, albedo: f64) -> f64 {
         Roulette::Never => 1.0,
         Roulette::Constant(chance) => chance,
         // Throughputs fall to where the chance is ρ, if that is allowed.
-        Roulette::Throughput(_) => albedo.min(0.95),
+        Roulette::Throughput(_) => albedo.min(0.99),
     };
     albedo * albedo * square / go_on
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use estimand::render::Image;
+use estimand::render::{Image, Pixel};
 use glam::DVec3;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
@@ -120,32 +120,28 @@ fn percent(error: f64) -> String {
 
 /// An sRGB picture, each pixel a square of its own so that nothing smooths it.
 fn png(image: &Image, colour: impl Fn(&Image, usize) -> DVec3) -> Outcome<Vec<u8>> {
-    let [width, height] = [image.width as usize, image.height as usize];
-    let mut bytes = Vec::new();
-    for row in 0..height * PIXEL {
-        for column in 0..width * PIXEL {
-            let colour = colour(image, row / PIXEL * width + column / PIXEL);
-            bytes.extend(colour.to_array().map(code));
-        }
-    }
+    let side = PIXEL as u32;
+    let (width, height) = (image.width * side, image.height * side);
+    let pixels = (0..height)
+        .flat_map(|row| (0..width).map(move |column| (column / side, row / side)))
+        .map(|(column, row)| (row * image.width + column) as usize)
+        .map(|p| Pixel {
+            mean: colour(image, p),
+            ..image.pixels[p]
+        });
+    let large = Image {
+        width,
+        height,
+        pixels: pixels.collect(),
+    };
     let mut file = Vec::new();
     PngEncoder::new(&mut file).write_image(
-        &bytes,
-        (width * PIXEL) as u32,
-        (height * PIXEL) as u32,
+        &large.srgb(),
+        width,
+        height,
         ExtendedColorType::Rgb8,
     )?;
     Ok(file)
-}
-
-/// A radiance as an sRGB code: 1 is white.
-fn code(l: f64) -> u8 {
-    let s = if l <= 0.003_130_8 {
-        12.92 * l
-    } else {
-        1.055 * l.powf(1.0 / 2.4) - 0.055
-    };
-    (255.0 * s).round() as u8
 }
 
 fn base64(bytes: &[u8]) -> String {

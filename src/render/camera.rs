@@ -50,7 +50,8 @@ pub enum CameraError {
     Target(DVec3),
     /// `up` is zero or points along the line of sight.
     Up(DVec3),
-    /// The field of view does not lie in (0, 180) degrees.
+    /// The field of view does not lie in (0, 180) degrees, or is so narrow that
+    /// tan²(fov/2) is no normal number.
     FieldOfView(f64),
     /// A film of no width or no height.
     Film(u32, u32),
@@ -79,7 +80,7 @@ impl Camera {
     /// # Errors
     ///
     /// All vectors are finite, the target lies elsewhere, `up` is not along the
-    /// line of sight, and 0 < `fov_degrees` < 180.
+    /// line of sight, and 0 < `fov_degrees` < 180, far above 10⁻¹⁵².
     pub fn new(
         origin: DVec3,
         target: DVec3,
@@ -101,10 +102,10 @@ impl Camera {
             .filter(|right| right.length() > 8.0 * f64::EPSILON)
             .and_then(DVec3::try_normalize)
             .ok_or(CameraError::Up(up))?;
-        if !(fov_degrees > 0.0 && fov_degrees < 180.0) {
+        let k = (0.5 * fov_degrees.to_radians()).tan();
+        if !(fov_degrees > 0.0 && fov_degrees < 180.0 && (k * k).is_normal()) {
             return Err(CameraError::FieldOfView(fov_degrees));
         }
-        let k = (0.5 * fov_degrees.to_radians()).tan();
         Ok(Self {
             origin,
             forward,
@@ -114,11 +115,25 @@ impl Camera {
     }
 
     /// The same camera with a film of these proportions; the horizontal angle
-    /// stays.
+    /// stays. A [`Film`](super::Film) of other proportions than its camera's
+    /// shows a stretched image.
     ///
     /// # Errors
     ///
     /// Neither is 0.
+    ///
+    /// # Example
+    ///
+    /// ```
+    /// use estimand::render::Camera;
+    /// use glam::DVec3;
+    ///
+    /// let square = Camera::new(DVec3::Z, DVec3::ZERO, DVec3::Y, 90.0)?;
+    /// let wide = square.with_aspect(640, 320)?;
+    /// let top = wide.ray(0.5, 0.0).direction;
+    /// assert!((top - DVec3::new(0.0, 0.5, -1.0).normalize()).length() < 1e-15);
+    /// # Ok::<(), estimand::render::CameraError>(())
+    /// ```
     pub fn with_aspect(self, width: u32, height: u32) -> Result<Self, CameraError> {
         if width == 0 || height == 0 {
             return Err(CameraError::Film(width, height));
@@ -169,7 +184,7 @@ mod tests {
         assert_eq!(new(o, x, o, 50.0), Err(CameraError::Up(o)));
         let along = DVec3::new(-1e9, 1e-8, 0.0);
         assert_eq!(new(o, x, along, 50.0), Err(CameraError::Up(along)));
-        for fov in [0.0, 180.0, -10.0, f64::INFINITY] {
+        for fov in [0.0, 1e-170, 180.0, -10.0, f64::INFINITY] {
             assert_eq!(new(o, x, y, fov), Err(CameraError::FieldOfView(fov)));
         }
         assert!(new(o, x, y, f64::NAN).is_err());

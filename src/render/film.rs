@@ -64,7 +64,9 @@ use crate::sampler::{Iid, Independent};
 /// that correlation over all the samples of the film. With a budget of samples
 /// there is none.
 ///
-/// A film keeps about 200 bytes a pixel, and as much again for the pass.
+/// A film keeps about 200 bytes a pixel, and as much again for the pass. A tile
+/// has one pixel at least: a film of one pixel keeps one thread busy, and
+/// [`MonteCarlo`](crate::integrator::MonteCarlo) on a [`Window`] all of them.
 #[derive(Clone, Debug)]
 pub struct Film<E, S = Independent> {
     sampler: S,
@@ -87,7 +89,7 @@ impl<E, S> Film<E, S> {
     ///
     /// # Errors
     ///
-    /// It has a pixel, and its pixels fit into memory.
+    /// It has a pixel, and the system grants memory for all.
     pub fn new(estimator: E, sampler: S, size: [u32; 2]) -> Result<Self, FilmError> {
         let tiles = Tiles::new(size)?;
         Ok(Self {

@@ -18,7 +18,8 @@ pub enum FilmError {
         /// Rows asked for.
         height: u32,
     },
-    /// Its pixels do not fit into memory.
+    /// The system grants no memory for its pixels. One that promises more than
+    /// it has may end the program later instead.
     TooLarge {
         /// Columns asked for.
         width: u32,

@@ -5,6 +5,21 @@ use glam::DVec3;
 /// Turns directions about the z axis, as the hemispheres of
 /// [`pdf`](crate::pdf) give them, into directions about a normal.
 ///
+/// # Example
+///
+/// ```
+/// use estimand::prelude::*;
+/// use estimand::render::Frame;
+/// use glam::DVec3;
+///
+/// // A direction that leaves a wall whose normal is x.
+/// let omega = CosineHemisphere.sample([0.25, 0.5]).point;
+/// let frame = Frame::new(DVec3::X);
+/// let out = frame.world(omega);
+/// assert!((out.x - omega[2]).abs() < 1e-15);
+/// assert!((frame.local(out)[0] - omega[0]).abs() < 1e-15);
+/// ```
+///
 /// Source: Duff et al., *Building an Orthonormal Basis, Revisited* (2017).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {

@@ -108,12 +108,23 @@ impl Image {
         tolerance.admits(self.rms_error(), mean.abs())
     }
 
+    /// Fails unless there are as many pixels as width and height say.
+    pub(super) fn check_size(&self) -> io::Result<()> {
+        let size = u64::from(self.width) * u64::from(self.height);
+        if self.pixels.len() as u64 == size {
+            return Ok(());
+        }
+        let (width, height, count) = (self.width, self.height, self.pixels.len());
+        let message = format!("{count} pixels are no image of {width} × {height}");
+        Err(io::Error::new(io::ErrorKind::InvalidInput, message))
+    }
+
     /// Writes the means as a portable float map: linear RGB in 32 bits, as they
     /// are.
     ///
     /// # Errors
     ///
-    /// Those of `out`.
+    /// Those of `out`, and pixels that are not as many as the size says.
     ///
     /// # Example
     ///
@@ -133,12 +144,13 @@ impl Image {
     ///
     /// # Errors
     ///
-    /// Those of `out`.
+    /// As [`write_pfm`](Self::write_pfm).
     pub fn write_error_pfm(&self, out: impl Write) -> io::Result<()> {
         self.pfm(out, |p| p.standard_error)
     }
 
     fn pfm(&self, mut out: impl Write, of: impl Fn(&Pixel) -> DVec3) -> io::Result<()> {
+        self.check_size()?;
         write!(out, "PF\n{} {}\n-1.0\n", self.width, self.height)?;
         for row in self.pixels.rchunks(self.width.max(1) as usize) {
             for channel in row.iter().flat_map(|p| of(p).to_array()) {
@@ -196,6 +208,21 @@ mod tests {
             (errors.len(), &errors[errors.len() - 4..]),
             (file.len(), &0.125_f32.to_le_bytes()[..])
         );
+    }
+
+    /// The fields are public: anyone may make what is no image.
+    #[test]
+    fn refuses_to_write_what_is_no_image() {
+        for (width, height) in [(3, 3), (0, 0), (u32::MAX, u32::MAX)] {
+            let broken = Image {
+                width,
+                height,
+                ..image()
+            };
+            let error = broken.write_pfm(Vec::new()).unwrap_err();
+            assert_eq!(error.kind(), io::ErrorKind::InvalidInput);
+            assert!(error.to_string().starts_with("6 pixels"), "{error}");
+        }
     }
 
     #[test]

@@ -60,6 +60,25 @@ pub fn solid_angle_density(area_density: f64, to_point: DVec3, normal: DVec3) ->
 impl Scene {
     /// A point of the light that is primitive number `primitive`, drawn at u,
     /// as seen from `from`.
+    ///
+    /// # Example
+    ///
+    /// ```
+    /// use estimand::render::{LightPoints, scenes};
+    /// use glam::DVec3;
+    ///
+    /// let (scene, _) = scenes::small_light()?;
+    /// let (light, x) = (scene.lights()[0], DVec3::ZERO);
+    /// let sample = scene.sample_light(light, LightPoints::Area, x, [0.5, 0.5]);
+    /// assert_eq!(sample.point.position, DVec3::new(0.9, 2.5, -0.1));
+    /// let density = scene.light_density(light, LightPoints::Area, x, &sample.point);
+    /// assert!((sample.density / density - 1.0).abs() < 1e-15);
+    /// # Ok::<(), estimand::render::RenderError>(())
+    /// ```
+    ///
+    /// # Panics
+    ///
+    /// If there is no such primitive.
     #[must_use]
     #[inline]
     pub fn sample_light(
@@ -108,6 +127,10 @@ impl Scene {
 
     /// The density, per steradian, with which [`sample_light`](Self::sample_light)
     /// gives this point of the light.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such primitive.
     #[must_use]
     #[inline]
     pub fn light_density(

@@ -10,6 +10,7 @@ mod error;
 mod film;
 mod film_error;
 mod frame;
+mod heuristic;
 mod image;
 mod light;
 #[cfg(feature = "png")]
@@ -31,6 +32,7 @@ pub use error::RenderError;
 pub use film::Film;
 pub use film_error::{FilmError, PixelError};
 pub use frame::Frame;
+pub use heuristic::Heuristic;
 pub use image::{Image, Pixel};
 pub use light::{LightPoints, LightSample, solid_angle_density};
 pub use radiance::{Along, Radiance, Seen};
@@ -39,8 +41,6 @@ pub use ray::Ray;
 pub use scene::{Hit, Primitive, Scene, SceneError};
 pub use shape::{Quad, Shape, ShapeError, Sphere, SphereCone, SurfacePoint, Triangle};
 pub use surface::{Directions, Scatter, Surface, SurfaceError};
-pub use technique::{
-    Choice, Direct, Heuristic, Layout, Lights, Roulette, Technique, TechniqueError,
-};
+pub use technique::{Choice, Direct, Layout, Lights, Roulette, Technique, TechniqueError};
 pub use tiles::FilmPartial;
 pub use window::{Window, WindowStream};

@@ -11,8 +11,8 @@ impl Image {
     ///
     /// # Errors
     ///
-    /// Those of `out`, and an image without pixels, which the format does not
-    /// have.
+    /// Those of `out`, an image without pixels, which the format does not have,
+    /// and pixels that are not as many as the size says.
     ///
     /// # Example
     ///
@@ -48,6 +48,8 @@ impl Image {
     }
 
     fn png(&self, out: impl Write, bytes: &[u8], colour: ExtendedColorType) -> io::Result<()> {
+        // The encoder panics.
+        self.check_size()?;
         PngEncoder::new(out)
             .write_image(bytes, self.width, self.height, colour)
             .map_err(io::Error::other)
@@ -82,6 +84,21 @@ mod tests {
         let read = ::image::load_from_memory(&file).unwrap().into_rgb8();
         assert_eq!(read.dimensions(), (3, 1));
         assert_eq!(read.into_raw(), [255, 0, 0, 188, 188, 188, 255, 0, 255]);
+    }
+
+    #[test]
+    fn refuses_to_write_what_is_no_image() {
+        let broken = Image {
+            height: 2,
+            ..image(&[DVec3::X], 0.25)
+        };
+        for result in [
+            broken.write_png(Vec::new()),
+            broken.write_error_png(Vec::new(), 1.0),
+        ] {
+            assert_eq!(result.unwrap_err().kind(), io::ErrorKind::InvalidInput);
+        }
+        assert!(image(&[], 0.25).write_png(Vec::new()).is_err());
     }
 
     #[test]

@@ -266,6 +266,10 @@ impl Scene {
     }
 
     /// Lₑ at a point of this primitive in the direction `outgoing`.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such primitive.
     #[must_use]
     #[inline]
     pub fn emitted(&self, primitive: usize, point: &SurfacePoint, outgoing: DVec3) -> DVec3 {

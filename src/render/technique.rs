@@ -4,7 +4,7 @@ use core::fmt;
 
 use glam::DVec3;
 
-use super::{Directions, LightPoints, Scene};
+use super::{Directions, Heuristic, LightPoints, Scene};
 use crate::sampler::Coordinates;
 
 /// How radiance is estimated: one description, all switches.
@@ -92,51 +92,16 @@ pub enum Choice {
     One,
 }
 
-/// How two techniques with densities p₁, p₂ and n₁, n₂ samples share an
-/// integrand.
-///
-/// ```text
-/// balance   w₁ = n₁p₁/(n₁p₁ + n₂p₂)
-/// power     w₁ = (n₁p₁)²/((n₁p₁)² + (n₂p₂)²)
-/// ```
-///
-/// Source: Veach & Guibas, *Optimally Combining Sampling Techniques for Monte
-/// Carlo Rendering* (1995).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Heuristic {
-    /// In proportion to the densities.
-    Balance,
-    /// In proportion to their squares.
-    #[default]
-    Power,
-}
-
-impl Heuristic {
-    /// The weight of a sample drawn with n p = `this`, where the other
-    /// technique would have given it with `other`. Either may be infinite, not
-    /// both.
-    #[must_use]
-    #[inline]
-    pub fn weight(self, this: f64, other: f64) -> f64 {
-        // In ratios, so that no square overflows.
-        if this >= other {
-            let r = other / this;
-            match self {
-                Self::Balance => 1.0 / (1.0 + r),
-                Self::Power => 1.0 / (1.0 + r * r),
-            }
-        } else {
-            let r = this / other;
-            match self {
-                Self::Balance => r / (1.0 + r),
-                Self::Power => r * r / (1.0 + r * r),
-            }
-        }
-    }
-}
-
 /// How the rays that go on from a vertex are spread over the unit square that
 /// their directions are made of.
+///
+/// # Example
+///
+/// ```
+/// use estimand::render::Layout;
+///
+/// assert_eq!(Layout::Stratified(4, 8).rays(), Some(32));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layout {
     /// N independent ones.
@@ -182,6 +147,14 @@ impl Layout {
 ///
 /// The lectures name it both ways: A's α is the chance to stop, B's `P_RR` the
 /// chance to go on.
+///
+/// # Example
+///
+/// ```
+/// use estimand::render::Roulette;
+///
+/// assert_eq!(Roulette::stop(0.25), Roulette::go_on(0.75));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Roulette {
     /// Paths always go on.
@@ -413,34 +386,6 @@ const MOST: f64 = 0.99;
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn weights_sum_to_one() {
-        let densities = [
-            0.0,
-            1e-300,
-            1e-9,
-            0.3,
-            1.0,
-            7.0,
-            1e160,
-            1e300,
-            f64::INFINITY,
-        ];
-        for h in [Heuristic::Balance, Heuristic::Power] {
-            for (i, &p) in densities.iter().enumerate() {
-                for (j, &q) in densities.iter().enumerate() {
-                    let both_extreme = i == j && (i == 0 || i == densities.len() - 1);
-                    if !both_extreme {
-                        let sum = h.weight(p, q) + h.weight(q, p);
-                        assert!((sum - 1.0).abs() < 1e-15, "{h:?} {p} {q} {sum}");
-                    }
-                }
-            }
-        }
-        assert_eq!(Heuristic::Balance.weight(1.0, 3.0), 0.25);
-        assert!((Heuristic::Power.weight(1.0, 3.0) - 0.1).abs() < 1e-16);
-    }
 
     #[test]
     fn refuses_what_has_no_end_or_no_start() {

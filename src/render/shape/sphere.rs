@@ -181,6 +181,22 @@ impl Pdf for Sphere {
 /// them. For a light it beats sampling by area: no sample lies on the far
 /// side, and 1/r² never spikes.
 ///
+/// # Example
+///
+/// ```
+/// use estimand::pdf::Pdf;
+/// use estimand::render::Sphere;
+/// use glam::DVec3;
+///
+/// let ball = Sphere::new(2.0 * DVec3::Z, 1.0)?;
+/// let cone = ball.cone_from(DVec3::ZERO).ok_or("inside")?;
+/// // 2π(1 − √3/2), and the point that is straight ahead.
+/// let x = cone.sample([0.0, 0.5]);
+/// assert!((1.0 / x.density - 0.841_787_214_477).abs() < 1e-12);
+/// assert!(x.point.position.distance(DVec3::Z) < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// Source: Shirley, Wang & Zimmerman, *Monte Carlo Techniques for Direct
 /// Lighting Calculations* (1996).
 #[derive(Clone, Copy, Debug, PartialEq)]
