@@ -98,10 +98,13 @@ impl<'a> Radiance<'a> {
             left: None,
         };
         loop {
-            if let Some(here) = self.arrive(&step, u, &mut path) {
-                step = self.leave(&here, 0, u);
+            // Looked at where it is: a vertex is large, and a single path moves
+            // none.
+            let reached = self.arrive(&step, u, &mut path);
+            if let Some(here) = &reached {
+                step = self.leave(here, 0, u);
                 if self.rays > 1 {
-                    kept.push((here, 1));
+                    kept.push((*here, 1));
                 }
             } else if let Some((here, sent)) = kept.pop() {
                 step = self.leave(&here, sent, u);
@@ -340,6 +343,7 @@ struct Step {
 }
 
 /// A vertex of a path, seen from where the path came.
+#[derive(Clone, Copy)]
 struct Vertex<'a> {
     hit: Hit,
     surface: &'a Surface,
