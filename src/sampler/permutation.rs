@@ -74,18 +74,23 @@ mod tests {
     use super::*;
     use statrs::distribution::{ChiSquared, ContinuousCDF};
 
+    /// Whether 0 … n − 1 all come, so that none comes twice.
+    fn is_bijection(n: u64, of: impl Fn(u64) -> u64) -> bool {
+        let mut seen = vec![false; n as usize];
+        (0..n).for_each(|x| seen[of(x) as usize] = true);
+        seen.iter().all(|&s| s)
+    }
+
     #[test]
     fn every_number_comes_once() {
         for n in (1..300).chain([1_000, 4_095, 4_096, 4_097, 65_537, 1 << 20]) {
             let permutation = Permutation::new(n);
             for key in [0, 1, mix(n)] {
-                let mut seen = vec![false; n as usize];
-                for x in 0..n {
-                    let y = permutation.of(x, key) as usize;
-                    assert!(!core::mem::replace(&mut seen[y], true), "{n} {key} {x}");
-                }
+                assert!(is_bijection(n, |x| permutation.of(x, key)), "{n} {key}");
             }
         }
+        // Hashed alone, some come twice.
+        assert!(!is_bijection(1_000, |x| mix(x) % 1_000));
     }
 
     /// p-value of counts that should be equal.

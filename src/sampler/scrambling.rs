@@ -187,9 +187,9 @@ impl RandomScrambling for DigitPermutations {
 /// Owen's scrambling, of permutations a d + c mod b, which has the variance of
 /// his (see [`DigitPermutations`]).
 ///
-/// For smooth integrands its error falls faster than that of
-/// [`DigitPermutations`], since the points keep apart in no box smaller than
-/// they fill; each coordinate costs a hash for each of log_b 2³² digits.
+/// Points that share a box of b₁ˡ¹ × b₂ˡ² … parts are placed in it
+/// independently, where [`DigitPermutations`] place them all alike. For that,
+/// each coordinate costs a hash for each of its log_b 2³² digits.
 ///
 /// Source: Owen, *Randomly Permuted (t, m, s)-Nets and (t, s)-Sequences*
 /// (1995); *Variance with Alternative Scramblings of Digital Nets* (2003).
