@@ -139,8 +139,8 @@ pub struct LatinHypercubeStream {
     /// Which hypercube the next point is in, and which point of it that is.
     next: (u64, u64),
     key: u64,
-    /// The number of the current point in its hypercube.
-    point: u64,
+    /// Of the current point, for the permutations.
+    cell: (u64, u64),
     axis: usize,
     jitter: IndependentStream,
 }
@@ -154,7 +154,7 @@ impl Coordinates for LatinHypercubeStream {
             self.next = (self.next.0.wrapping_add(1), 0);
             self.key = self.hypercube.key(self.next.0);
         }
-        self.point = self.next.1;
+        self.cell = self.permutation.cell(self.next.1);
         self.next.1 += 1;
     }
 
@@ -168,7 +168,7 @@ impl Coordinates for LatinHypercubeStream {
         let key = mix(self
             .key
             .wrapping_add((self.axis as u64).wrapping_mul(GOLDEN)));
-        (self.permutation.of(self.point, key) as f64 + u) * self.width
+        (self.permutation.of(self.cell, key) as f64 + u) * self.width
     }
 }
 
@@ -183,7 +183,7 @@ impl Sampler for LatinHypercube {
             width: width(self.points),
             next: (hypercube, block.start % self.points),
             key: self.key(hypercube),
-            point: 0,
+            cell: (0, 0),
             axis: 0,
             jitter: self.jitter.stream(block),
         }

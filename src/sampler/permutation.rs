@@ -43,10 +43,15 @@ impl Permutation {
         }
     }
 
-    /// π(x) of the permutation that belongs to `key`, x < n.
+    /// (l, r) of x < n: a division, which all axes of a point share.
     #[inline]
-    pub(super) fn of(&self, x: u64, key: u64) -> u64 {
-        let (mut l, mut r) = (x / self.width, x % self.width);
+    pub(super) const fn cell(&self, x: u64) -> (u64, u64) {
+        (x / self.width, x % self.width)
+    }
+
+    /// π(x) of the permutation that belongs to `key`, given the cell of x.
+    #[inline]
+    pub(super) fn of(&self, (mut l, mut r): (u64, u64), key: u64) -> u64 {
         loop {
             for pair in 0..PAIRS {
                 l = step(l, self.height, key, 2 * pair, r);
@@ -86,7 +91,10 @@ mod tests {
         for n in (1..300).chain([1_000, 4_095, 4_096, 4_097, 65_537, 1 << 20]) {
             let permutation = Permutation::new(n);
             for key in [0, 1, mix(n)] {
-                assert!(is_bijection(n, |x| permutation.of(x, key)), "{n} {key}");
+                assert!(
+                    is_bijection(n, |x| permutation.of(permutation.cell(x), key)),
+                    "{n} {key}"
+                );
             }
         }
         // Hashed alone, some come twice.
@@ -111,7 +119,7 @@ mod tests {
             let permutation = Permutation::new(n);
             let mut counts = vec![0; n.pow(n as u32) as usize];
             for key in 0..500 * orders {
-                let of = |x| permutation.of(x, mix(key));
+                let of = |x| permutation.of(permutation.cell(x), mix(key));
                 counts[(0..n).fold(0, |word, x| word * n + of(x)) as usize] += 1;
             }
             counts.retain(|&c| c > 0);
@@ -128,7 +136,7 @@ mod tests {
             for (x, y) in [(0, 1), (0, n - 1), (n / 2, n / 2 + 1)] {
                 let mut counts = vec![0; (n * n) as usize];
                 for key in 0..100 * n * n {
-                    let of = |x| permutation.of(x, mix(key));
+                    let of = |x| permutation.of(permutation.cell(x), mix(key));
                     counts[(of(x) * n + of(y)) as usize] += 1;
                 }
                 let pairs: Vec<u64> = (0..n * n)
