@@ -4,7 +4,9 @@ pub use crate::estimate::{Estimate, Moments, Tolerance};
 pub use crate::estimator::{Estimator, FromFn, Importance, TryImportance, primary_estimates};
 pub use crate::integrand::{Integrand, with_scratch};
 pub use crate::integrate::{integrate, try_integrate};
-pub use crate::integrator::{Cause, Integrator, MonteCarlo, NonFinite, StratifiedMonteCarlo};
+pub use crate::integrator::{
+    Cause, Integrator, MonteCarlo, NonFinite, RandomizedQmc, StratifiedMonteCarlo,
+};
 pub use crate::pdf::{
     CosineHemisphere, Exponential, Interval, Invert, Linear, Normal, Pdf, Sample,
     UniformHemisphere, UnitCube,
@@ -12,5 +14,8 @@ pub use crate::pdf::{
 #[cfg(feature = "parallel")]
 pub use crate::run::Threads;
 pub use crate::run::{Cancel, Executor, Finished, Reason, RunError, Serial, Stop, run, run_with};
-pub use crate::sampler::{Coordinates, Independent, Randomize, Replay, Sampler, Stratified};
+pub use crate::sampler::{
+    Coordinates, Halton, Independent, LatinHypercube, Lattice, Randomize, Replay, Sampler,
+    Stratified,
+};
 pub use crate::value::Value;

@@ -116,6 +116,76 @@ fn a_smooth_integrand_falls_at_the_same_rate() {
     assert_plausible(slope_p_value(&points, -1.5), "e^(3x) cos 5x");
 }
 
+/// The slope of the root mean square error, and its standard error, over
+/// [`RUNS`] randomisations at each of four numbers of points.
+fn slope_of<const D: usize, S: Sampler>(
+    f: fn([f64; D]) -> f64,
+    exact: f64,
+    ns: [u64; 4],
+    sampler: impl Fn(u64, u64) -> S,
+) -> (f64, f64) {
+    let points = ns.map(|n| {
+        let square = mean_square(exact, |seed| average(f, &sampler(n, seed), n));
+        (n as f64, square.sqrt())
+    });
+    slope(&points)
+}
+
+/// x² + y² + xy + x about the middle: smooth, not periodic, 1/6 on average.
+fn bowl([x, y]: [f64; 2]) -> f64 {
+    let (x, y) = (x - 0.5, y - 0.5);
+    x * x + y * y + x * y + x
+}
+
+/// Points that keep apart: errors fall faster than N^(−1/2), by as much as is
+/// claimed, and not as fast as what would be claimed of others.
+#[test]
+fn errors_of_quasi_monte_carlo_fall_faster() {
+    let (exact, powers) = (1.0 / 6.0, [64, 256, 1_024, 4_096]);
+    let steeper = |(slope, error): (f64, f64), than: f64, what: &str| {
+        assert!(slope < than, "{what}: {slope} ± {error}");
+        assert_rejected(support::mean::p_value(slope, error, than), what);
+    };
+    let lattice = slope_of(bowl, exact, powers, |_, s| Lattice::new(2, s).unwrap());
+    steeper(lattice, -0.8, "lattice");
+    let folded = slope_of(bowl, exact, powers, |_, s| {
+        Lattice::new(2, s).unwrap().baker()
+    });
+    steeper(folded, -1.6, "folded lattice");
+    let permuted = slope_of(bowl, exact, powers, |_, s| Halton::new(2, s).unwrap());
+    steeper(permuted, -0.7, "permuted digits");
+    let nested = slope_of(bowl, exact, powers, |_, s| Halton::nested(2, s).unwrap());
+    steeper(nested, -0.7, "nested scrambling");
+}
+
+/// A sum of functions of one coordinate in a Latin hypercube is as if each were
+/// stratified: D/12 · N⁻³ for the sum of coordinates, exactly. A product of two
+/// centred ones gains nothing: 1/144 · N⁻¹ (1 + O(N⁻¹)).
+#[test]
+fn a_latin_hypercube_removes_what_is_additive() {
+    for n in [10, 100, 1_000] {
+        let of = |f: fn([f64; 3]) -> f64, exact| {
+            mean_square(exact, |s| {
+                average(f, &LatinHypercube::new(n, 3, s).unwrap(), n)
+            })
+        };
+        let additive = of(sum::<3>, 1.5);
+        let size = n as f64;
+        let exact = 3.0 / 12.0 / size.powi(3);
+        assert_plausible(variance_p_value(additive, exact), &format!("sum, {n}"));
+    }
+    let product = slope_of(
+        |[x, y]: [f64; 2]| (x - 0.5) * (y - 0.5),
+        0.0,
+        [30, 100, 300, 1_000],
+        |n, s| LatinHypercube::new(n, 2, s).unwrap(),
+    );
+    assert_plausible(
+        support::mean::p_value(product.0, product.1, -0.5),
+        "product",
+    );
+}
+
 /// Mean and variance of the estimate over every outcome of a jitter that takes
 /// `places` values in each stratum, all equally likely.
 fn over_all_outcomes(f: &[f64], strata: u64, per_stratum: u64, places: u64) -> (f64, f64) {

@@ -10,7 +10,8 @@ mod support;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use estimand::sampler::{
-    Block, Coordinates, Iid, Independent, Randomize, Replay, Sampler, Stratified,
+    Block, Coordinates, Halton, Iid, Independent, LatinHypercube, Lattice, Randomize, Replay,
+    Sampler, Stratified,
 };
 use rand::SeedableRng;
 use rand::rand_core::{Infallible, TryRng};
@@ -290,6 +291,140 @@ fn stratified_over_replay() {
             x[..],
             [(i + 0.5) * width(2.0), (j + 0.25) * width(4.0), 0.75]
         );
+    }
+}
+
+/// The whole suite for a sampler whose points depend on each other, D of whose
+/// dimensions are laid out: by its laws, and over replicates.
+fn dependent<S: Randomize>(name: &str, dimension: usize, from_seed: impl Fn(u64) -> S) {
+    for seed in SEEDS {
+        let sampler = from_seed(seed);
+        assert_laws(name, &sampler, dimension + 2);
+        for (p, what) in replication(&sampler)
+            .into_iter()
+            .chain(any_point(&sampler, dimension))
+            .chain(unbiased(&sampler, dimension))
+        {
+            assert_plausible(p, &format!("{name}, seed {seed}: {what}"));
+        }
+    }
+}
+
+/// Uniform over replicates, whichever point it is: by pairs of coordinates.
+fn any_point<S: Randomize>(sampler: &S, dimension: usize) -> Vec<(f64, &'static str)> {
+    let block = |index, start| Block {
+        index,
+        start,
+        len: 1,
+    };
+    let of = |block| {
+        let read = |r| points(&sampler.randomize(r), block, dimension + 2).concat();
+        (0..20_000).map(read).collect::<Vec<_>>()
+    };
+    let (first, later) = (of(block(0, 0)), of(block(3, 43)));
+    let d = dimension;
+    let pair = |of: &[Vec<f64>], j, k| square(of.iter().map(|x: &Vec<f64>| [x[j], x[k]]));
+    vec![
+        (pair(&first, 0, d - 1), "first point, first and last axis"),
+        (pair(&later, 0, d - 1), "later point, first and last axis"),
+        (pair(&later, d - 1, d), "last axis and beyond"),
+        (pair(&later, d, d + 1), "beyond"),
+    ]
+}
+
+/// The mean over replicates of the first 60 points' estimate of ∫ Π 3x² = 1.
+fn unbiased<S: Randomize>(sampler: &S, dimension: usize) -> Vec<(f64, &'static str)> {
+    let block = Block {
+        index: 0,
+        start: 0,
+        len: 60,
+    };
+    let f = |x: &Vec<f64>| x.iter().map(|x| 3.0 * x * x).product::<f64>();
+    let estimate = |r| {
+        let all = points(&sampler.randomize(r), block, dimension);
+        all.iter().map(f).sum::<f64>() / 60.0
+    };
+    let all: Vec<f64> = (0..2_000).map(estimate).collect();
+    vec![(mean::student(&all, 1.0), "the mean of its estimates")]
+}
+
+#[test]
+fn lattice() {
+    dependent("Lattice", 3, |s| Lattice::new(3, s).unwrap());
+    dependent("Lattice, folded", 3, |s| {
+        Lattice::new(3, s).unwrap().baker()
+    });
+    assert_laws("Lattice, unshifted", &Lattice::unshifted(3).unwrap(), 5);
+}
+
+#[test]
+fn halton() {
+    dependent("Halton, permuted", 3, |s| Halton::new(3, s).unwrap());
+    dependent("Halton, nested", 3, |s| Halton::nested(3, s).unwrap());
+    assert_laws("Halton", &Halton::unscrambled(1024).unwrap(), 1026);
+    assert_laws("Halton, permuted", &Halton::new(1024, 1).unwrap(), 1026);
+    assert_laws("Halton, nested", &Halton::nested(1024, 1).unwrap(), 1026);
+}
+
+#[test]
+fn latin_hypercube() {
+    for n in [1, 2, 60, 1_000] {
+        let name = format!("LatinHypercube of {n}");
+        dependent(&name, 3, |s| LatinHypercube::new(n, 3, s).unwrap());
+    }
+}
+
+/// Of one hypercube and of the next, in blocks of any length.
+#[test]
+fn every_stratum_of_a_hypercube_holds_one_point() {
+    for n in (1..40).chain([64, 100, 257, 1_000, 4_096]) {
+        for d in [1, 2, 7] {
+            let hypercube = LatinHypercube::new(n, d, n).unwrap();
+            for length in [3, n, 2 * n] {
+                let layout = blocks(&vec![length; (2 * n).div_ceil(length) as usize]);
+                let all: Vec<_> = layout
+                    .iter()
+                    .flat_map(|&b| points(&hypercube, b, d))
+                    .collect();
+                for one in all[..2 * n as usize].chunks(n as usize) {
+                    for k in 0..d {
+                        let mut seen = vec![false; n as usize];
+                        for x in one {
+                            // Widths are rounded down: an ulp below an edge.
+                            seen[(x[k] * (1.0 + 1e-15) * n as f64) as usize] = true;
+                        }
+                        assert!(seen.iter().all(|&s| s), "{n} {d} {length}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The places of two points on an axis, and of one on two, over replicates.
+#[test]
+fn permutations_of_a_hypercube_are_independent() {
+    for seed in SEEDS {
+        let hypercube = LatinHypercube::new(32, 2, seed).unwrap();
+        let block = Block {
+            index: 0,
+            start: 0,
+            len: 64,
+        };
+        let (mut axes, mut pairs) = (vec![0; 32 * 32], vec![0; 32 * 32]);
+        let mut hypercubes = pairs.clone();
+        for r in 0..30_000 {
+            let all = points(&hypercube.randomize(r), block, 2);
+            let cell = |i: usize, k: usize| (all[i][k] * 32.0) as usize;
+            axes[cell(5, 0) * 32 + cell(5, 1)] += 1;
+            pairs[cell(5, 0) * 32 + cell(6, 0)] += 1;
+            hypercubes[cell(5, 0) * 32 + cell(37, 0)] += 1;
+        }
+        let apart = (0..32 * 32).filter(|p| p / 32 != p % 32);
+        let pairs: Vec<u64> = apart.map(|p| pairs[p]).collect();
+        assert_plausible(chi_squared::uniform(&axes), "two axes");
+        assert_plausible(chi_squared::uniform(&pairs), "two points");
+        assert_plausible(chi_squared::uniform(&hypercubes), "two hypercubes");
     }
 }
 

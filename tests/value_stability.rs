@@ -8,7 +8,10 @@
 //! (2014), whose Python twin gives the numbers of the C reference for state 42
 //! (63b4a3a813ce700a, 382954200617ab24, a7fd85ae3fe950ce).
 
-use estimand::sampler::{Block, Coordinates, Independent, Randomize, Sampler, Stratified};
+use estimand::sampler::{
+    Block, Coordinates, Halton, Independent, LatinHypercube, Lattice, Randomize, Sampler,
+    Stratified,
+};
 
 fn bits<S: Sampler, const D: usize, const N: usize>(sampler: &S, block: Block) -> [[u64; D]; N] {
     let mut stream = sampler.stream(block);
@@ -126,6 +129,216 @@ fn stratified() {
         len: 4,
     };
     assert_eq!(bits(&Stratified::new([3], 2, 3).unwrap(), block), expected);
+}
+
+/// Lattices: first points with a coordinate beyond, and a replicate, folded,
+/// from the middle of a run.
+#[test]
+fn lattice() {
+    let lattice = Lattice::new(2, 1).unwrap();
+    assert_eq!(
+        bits(&lattice, FIRST),
+        [
+            [
+                0x3faf_f69c_cf3d_5cf0,
+                0x3fdb_a888_45db_1732,
+                0x3fdd_192f_ea41_3156
+            ],
+            [
+                0x3fe1_ff69_ccf3_d5cf,
+                0x3fed_d444_22ed_8b99,
+                0x3fe1_f278_1df2_69b7
+            ],
+            [
+                0x3fd3_fed3_99e7_ab9e,
+                0x3fc7_5110_8bb6_2e64,
+                0x3fd6_1322_e143_f61e
+            ],
+            [
+                0x3fe9_ff69_ccf3_d5cf,
+                0x3fe5_d444_22ed_8b99,
+                0x3fe4_b6bc_36da_509c
+            ],
+        ]
+    );
+    let block = Block {
+        index: 2,
+        start: 5,
+        len: 3,
+    };
+    assert_eq!(
+        bits(&lattice.baker().randomize(3), block),
+        [
+            [
+                0x3fdf_759f_59d3_a8d0,
+                0x3fdd_e511_a2e1_b6a8,
+                0x3fe3_199d_ccb7_af5e
+            ],
+            [
+                0x3fef_bacf_ace9_d468,
+                0x3fa0_d772_e8f2_4ac0,
+                0x3fd0_13ac_7a72_4a3a
+            ],
+            [
+                0x3f81_4c14_c58a_e600,
+                0x3fee_f288_d170_db54,
+                0x3fe1_43d9_23e5_4219
+            ],
+        ]
+    );
+}
+
+/// The coordinates on these axes of one point.
+fn point<S: Sampler, const N: usize>(sampler: &S, start: u64, axes: [usize; N]) -> [u64; N] {
+    let mut stream = sampler.stream(Block { start, ..FIRST });
+    stream.next_point();
+    let all: Vec<u64> = (0..1024).map(|_| stream.next_1d().to_bits()).collect();
+    axes.map(|k| all[k])
+}
+
+#[test]
+fn halton() {
+    let halton = Halton::new(1024, 1).unwrap();
+    let nested = Halton::nested(1024, 1).unwrap();
+    assert_eq!(
+        [0, 1, 2, 1000].map(|i| point(&halton, i, [0, 1, 2])),
+        [
+            [
+                0x3fe6_8af3_ac78_a0ff,
+                0x3fee_dfbd_761a_eb15,
+                0x3fce_352a_0d2b_a351
+            ],
+            [
+                0x3fca_2bce_b1e2_83fd,
+                0x3fe4_3512_cb70_406a,
+                0x3fe4_5a17_5017_b5a1
+            ],
+            [
+                0x3fee_8af3_ac78_a0ff,
+                0x3fd3_14d0_418b_2b7e,
+                0x3fa2_6e41_ce48_26dc
+            ],
+            [
+                0x3fe4_72f3_ac78_a0ff,
+                0x3fe4_f05c_a816_785e,
+                0x3fcd_d6ca_dc43_a3f9
+            ],
+        ]
+    );
+    assert_eq!(
+        point(&halton.randomize(3), 7, [0, 1, 1023]),
+        [
+            0x3fce_9f27_7a8b_ed79,
+            0x3fed_65a5_3dda_799f,
+            0x3fe1_0eff_5add_72dd
+        ]
+    );
+    assert_eq!(
+        [0, 1, 2, 1000].map(|i| point(&nested, i, [0, 1, 2])),
+        [
+            [
+                0x3fdc_9871_49a8_6113,
+                0x3fe5_0864_1a7a_9b7a,
+                0x3fcf_f746_4b37_9ad7
+            ],
+            [
+                0x3fe6_e153_4962_930f,
+                0x3fee_88a1_d4b1_0a05,
+                0x3fda_6ff0_2f5e_9dac
+            ],
+            [
+                0x3fad_11db_2cb7_6669,
+                0x3fd5_16bd_da1a_3ee8,
+                0x3fe8_f2e6_a8da_fa2e
+            ],
+            [
+                0x3fdb_74fe_935d_e3e7,
+                0x3fed_d399_7fd4_4f5d,
+                0x3fcf_ccf4_f162_b126
+            ],
+        ]
+    );
+    assert_eq!(
+        point(&nested.randomize(3), 7, [0, 1, 1023]),
+        [
+            0x3fe3_14da_d41b_ceb9,
+            0x3fce_0b46_7cf3_ea14,
+            0x3fd9_d6dd_07f0_1bcc
+        ]
+    );
+}
+
+/// From one hypercube into the next, and a coordinate beyond.
+#[test]
+fn latin_hypercube() {
+    assert_eq!(
+        bits(&LatinHypercube::new(5, 2, 1).unwrap(), FIRST),
+        [
+            [
+                0x3fdf_6b6f_fba6_a377,
+                0x3fbc_b726_9650_a924,
+                0x3fd6_1322_e143_f61e
+            ],
+            [
+                0x3fe7_57bf_3e2b_a9b8,
+                0x3fed_3ec0_4c79_23f4,
+                0x3fe8_c5eb_ac18_8120
+            ],
+            [
+                0x3fd3_05ab_acb0_4b8c,
+                0x3fe8_86fa_3b94_eee2,
+                0x3f8e_d846_245c_68c0
+            ],
+            [
+                0x3fc2_4738_9b44_8f58,
+                0x3fdd_b17c_5cf8_f5db,
+                0x3fe3_e3c3_e9b5_9bb0
+            ],
+            [
+                0x3fef_be2f_0755_fa96,
+                0x3fd8_2ce5_fb68_2dcc,
+                0x3fcc_253f_ac99_1de8
+            ],
+            [
+                0x3fed_c62e_56a5_36ff,
+                0x3fe5_88d5_b2f8_8acc,
+                0x3fef_189e_9955_5a30
+            ],
+        ]
+    );
+    let block = Block {
+        index: 2,
+        start: 998,
+        len: 4,
+    };
+    assert_eq!(
+        bits(
+            &LatinHypercube::new(1000, 2, 1).unwrap().randomize(3),
+            block
+        ),
+        [
+            [
+                0x3fe8_87f6_2c7e_22bb,
+                0x3fe6_db25_5590_b277,
+                0x3fe1_43d9_23e5_4219
+            ],
+            [
+                0x3fe4_dfd9_df5b_5447,
+                0x3fa3_2b61_665c_44d2,
+                0x3fd2_8883_6ead_419a
+            ],
+            [
+                0x3fd8_1de8_6831_2a36,
+                0x3fa9_1b23_3d7a_8049,
+                0x3fe9_0b83_50b5_c24d
+            ],
+            [
+                0x3fe8_4aac_0705_f3a8,
+                0x3fe0_606a_9b4f_3145,
+                0x3fea_9400_eb5b_a3d9
+            ],
+        ]
+    );
 }
 
 /// A whole run: how passes are cut, blocks seeded and sums merged. These bits

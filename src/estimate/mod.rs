@@ -63,6 +63,8 @@ pub enum ErrorSource {
     /// Differences of neighbouring strata of one sample each: too large by
     /// what the integrand changes from one to the next.
     NeighbouringStrata,
+    /// The spread of the means of independent randomisations of the points.
+    Replicates,
     /// A sum of independent estimates with error bars of their own.
     Sum,
 }

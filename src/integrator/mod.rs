@@ -1,13 +1,17 @@
 //! Spends a budget of samples, pass by pass.
 
+mod median;
 mod monte_carlo;
 mod plan;
+mod randomized_qmc;
 mod sample_block;
 mod sample_error;
 mod strata;
 mod stratified_monte_carlo;
 
+pub use median::Median;
 pub use monte_carlo::MonteCarlo;
+pub use randomized_qmc::{RandomizedQmc, RandomizedQmcError, ReplicateError};
 pub use sample_block::NonFinite;
 #[cfg(feature = "render")]
 pub(crate) use sample_block::sample_block;

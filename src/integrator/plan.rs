@@ -30,6 +30,10 @@ impl Plan {
         }
     }
 
+    pub(super) const fn samples(&self) -> u64 {
+        self.samples
+    }
+
     pub(super) fn blocks(&self) -> u64 {
         self.samples.div_ceil(self.block_len.max(1))
     }

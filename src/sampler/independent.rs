@@ -54,6 +54,12 @@ impl Independent {
     pub const fn new(seed: u64) -> Self {
         Self::with_generator(seed)
     }
+
+    /// The seed, scattered: for what another sampler draws besides these
+    /// points.
+    pub(super) const fn key(&self) -> u64 {
+        mix(self.seed)
+    }
 }
 
 impl<R> Independent<R> {
@@ -119,11 +125,11 @@ impl<R: Rng + SeedableRng> Randomize for Independent<R> {
 }
 
 /// 2⁶⁴ / φ, SplitMix64's increment.
-const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
+pub(super) const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// SplitMix64's finaliser: a bijection of the 64-bit integers that scatters
 /// neighbours.
-const fn mix(mut z: u64) -> u64 {
+pub(super) const fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
     z ^ (z >> 31)

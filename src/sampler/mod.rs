@@ -5,13 +5,25 @@
 //! [`Coordinates`] of a block give one point after the other, each read a
 //! coordinate at a time, as many as it needs.
 
+mod halton;
 mod independent;
+mod latin_hypercube;
+mod lattice;
+mod lattice_vector;
+mod permutation;
 mod replay;
+mod scrambling;
 mod stratified;
 mod unit_point;
 
+pub use halton::{Halton, HaltonError, HaltonStream};
 pub use independent::{Independent, IndependentStream};
+pub use latin_hypercube::{LatinHypercube, LatinHypercubeError, LatinHypercubeStream};
+pub use lattice::{Lattice, LatticeError, LatticeStream};
 pub use replay::{Replay, ReplayError, ReplayStream};
+pub use scrambling::{
+    DigitPermutations, NestedScrambling, RandomScrambling, Scrambling, Unscrambled,
+};
 #[cfg(feature = "render")]
 pub(crate) use stratified::width;
 pub use stratified::{Stratified, StratifiedError, StratifiedStream};
@@ -55,6 +67,16 @@ pub trait Iid: Sampler {}
 pub trait Randomize: Sampler + Sized {
     /// The same layout with fresh randomness; another for each `replicate`.
     fn randomize(&self, replicate: u64) -> Self;
+
+    /// The largest number of points, of `points` at most, that are complete:
+    /// taken from the first on, they are laid out as evenly as the sampler
+    /// means them to be. A power of two for a lattice or a net, whole sweeps of
+    /// a grid; 0 if `points` is too few, and never more than there are.
+    ///
+    /// Provided: any number is as good.
+    fn complete(&self, points: u64) -> u64 {
+        points
+    }
 }
 
 /// The points of a block, one after the other, each read a coordinate at a

@@ -327,6 +327,11 @@ impl<const D: usize, J: Randomize> Randomize for Stratified<D, J> {
             ..*self
         }
     }
+
+    /// Whole sweeps.
+    fn complete(&self, points: u64) -> u64 {
+        points - points % self.len()
+    }
 }
 
 #[cfg(test)]
