@@ -57,6 +57,11 @@ impl Independent {
 }
 
 impl<R> Independent<R> {
+    /// What its points belong to.
+    pub(super) const fn seed(&self) -> u64 {
+        self.seed
+    }
+
     /// The points that the generators of type `R` give for `seed`.
     ///
     /// ```
@@ -79,15 +84,29 @@ pub struct IndependentStream<R = Pcg64Mcg> {
     generator: R,
 }
 
+impl<R: Rng> IndependentStream<R> {
+    /// All 64 bits of which a coordinate takes 53.
+    #[inline]
+    pub(super) fn next_u64(&mut self) -> u64 {
+        self.generator.next_u64()
+    }
+}
+
 impl<R: Rng> Coordinates for IndependentStream<R> {
     #[inline]
     fn next_point(&mut self) {}
 
     #[inline]
     fn next_1d(&mut self) -> f64 {
-        const ULP: f64 = 1.0 / (1_u64 << 53) as f64;
-        (self.generator.next_u64() >> 11) as f64 * ULP
+        unit(self.next_u64())
     }
+}
+
+/// The first 53 of 64 digits, as a number of [0, 1).
+#[inline]
+pub(super) const fn unit(digits: u64) -> f64 {
+    const ULP: f64 = 1.0 / (1_u64 << 53) as f64;
+    (digits >> 11) as f64 * ULP
 }
 
 impl<R: Rng + SeedableRng> Sampler for Independent<R> {

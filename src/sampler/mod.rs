@@ -7,11 +7,15 @@
 
 mod independent;
 mod replay;
+mod sobol;
 mod stratified;
 mod unit_point;
 
 pub use independent::{Independent, IndependentStream};
 pub use replay::{Replay, ReplayError, ReplayStream};
+pub use sobol::{
+    DigitalShift, LinearMatrix, Scramble, Sobol, SobolError, SobolStream, Unscrambled,
+};
 #[cfg(feature = "render")]
 pub(crate) use stratified::width;
 pub use stratified::{Stratified, StratifiedError, StratifiedStream};
