@@ -10,7 +10,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use estimand::sampler::{
-    Block, Coordinates, DigitalShift, Independent, LinearMatrix, Sampler, Sobol,
+    Block, Coordinates, DigitalShift, Independent, LinearMatrix, Owen, Sampler, Sobol,
 };
 
 const POINTS: u64 = 10_000_000;
@@ -20,13 +20,14 @@ const D: usize = 5;
 /// A name, how many million points a second are asked for, and the loop.
 type Row = (&'static str, f64, fn() -> f64);
 
-fn rows() -> [Row; 4] {
+fn rows() -> [Row; 5] {
     [
         ("independent", f64::NAN, || sum(&Independent::new(7))),
         ("sobol", 40.0, || net(|net| sum(net))),
         ("shifted", 25.0, || {
             net(|net| sum(&net.scrambled(DigitalShift, 7)))
         }),
+        ("owen", 10.0, || net(|net| sum(&net.scrambled(Owen, 7)))),
         ("linear matrix", 25.0, || {
             net(|net| sum(&net.scrambled(LinearMatrix, 7)))
         }),
@@ -47,8 +48,9 @@ fn sum(sampler: &impl Sampler) -> f64 {
     let mut sum = 0.0;
     for _ in 0..POINTS {
         points.next_point();
-        let x: [f64; D] = std::array::from_fn(|_| points.next_1d());
-        sum += x.iter().sum::<f64>();
+        for _ in 0..D {
+            sum += points.next_1d();
+        }
     }
     sum
 }

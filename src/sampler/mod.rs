@@ -14,7 +14,7 @@ mod unit_point;
 pub use independent::{Independent, IndependentStream};
 pub use replay::{Replay, ReplayError, ReplayStream};
 pub use sobol::{
-    DigitalShift, LinearMatrix, Scramble, Sobol, SobolError, SobolStream, Unscrambled,
+    DigitalShift, LinearMatrix, Owen, Scramble, Sobol, SobolError, SobolStream, Unscrambled,
 };
 #[cfg(feature = "render")]
 pub(crate) use stratified::width;

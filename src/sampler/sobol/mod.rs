@@ -5,9 +5,10 @@ mod scramble;
 mod stream;
 
 use core::fmt;
+use core::marker::PhantomData;
 use directions::DIMENSIONS;
 use scramble::{Columns, Digits, Net};
-pub use scramble::{DigitalShift, LinearMatrix, Scramble, Unscrambled};
+pub use scramble::{DigitalShift, LinearMatrix, Owen, Scramble, Unscrambled};
 pub use stream::SobolStream;
 
 use super::{Block, Independent, Randomize, Sampler};
@@ -70,8 +71,9 @@ use super::{Block, Independent, Randomize, Sampler};
 /// Sobol Sequences with Better Two-Dimensional Projections* (2008).
 #[derive(Clone, Debug)]
 pub struct Sobol<S: Digits = Unscrambled> {
-    net: Net<S::Key>,
+    net: Net,
     seed: u64,
+    scramble: PhantomData<S>,
 }
 
 /// Why [`Sobol::new`] refused.
@@ -125,7 +127,7 @@ impl Sobol {
     /// seed is as good as any other.
     #[must_use]
     pub fn scrambled<S: Scramble>(&self, _: S, seed: u64) -> Sobol<S> {
-        Sobol::over(&S::prepare(&self.net.columns), seed)
+        Sobol::over(&self.net.columns, seed)
     }
 }
 
@@ -140,6 +142,7 @@ impl<S: Digits> Sobol<S> {
         Self {
             net: S::scramble(columns, &mut || source.next_u64()),
             seed,
+            scramble: PhantomData,
         }
     }
 

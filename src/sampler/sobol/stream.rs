@@ -1,5 +1,7 @@
 //! The points of a block.
 
+use core::marker::PhantomData;
+
 use super::super::Coordinates;
 use super::super::independent::{IndependentStream, unit};
 use super::Unscrambled;
@@ -13,7 +15,7 @@ use super::scramble::{Digits, Net, ones};
 /// pays for few.
 #[derive(Clone, Debug)]
 pub struct SobolStream<'a, S: Digits = Unscrambled> {
-    net: &'a Net<S::Key>,
+    net: &'a Net,
     /// The number of the point.
     index: u64,
     /// Its digits in the dimensions that have been read so far.
@@ -21,10 +23,11 @@ pub struct SobolStream<'a, S: Digits = Unscrambled> {
     /// Which coordinate comes next.
     axis: usize,
     padding: IndependentStream,
+    scramble: PhantomData<S>,
 }
 
 impl<'a, S: Digits> SobolStream<'a, S> {
-    pub(super) fn new(net: &'a Net<S::Key>, start: u64, padding: IndependentStream) -> Self {
+    pub(super) fn new(net: &'a Net, start: u64, padding: IndependentStream) -> Self {
         Self {
             net,
             // The first point is stepped to before it is read.
@@ -32,6 +35,7 @@ impl<'a, S: Digits> SobolStream<'a, S> {
             digits: Vec::new(),
             axis: 0,
             padding,
+            scramble: PhantomData,
         }
     }
 
@@ -40,14 +44,14 @@ impl<'a, S: Digits> SobolStream<'a, S> {
     #[inline(never)]
     fn begin(&mut self) -> f64 {
         let k = self.digits.len();
-        let (Some(&origin), Some(key)) = (self.net.origin.get(k), self.net.keys.get(k)) else {
+        let Some(&origin) = self.net.origin.get(k) else {
             return self.padding.next_1d();
         };
         let gray = self.index ^ self.index >> 1;
         let digits = ones(gray).fold(origin, |sum, j| sum ^ self.net.columns.of_digit(j)[k]);
         self.digits.push(digits);
         self.axis = k + 1;
-        unit(S::finish(digits, key))
+        unit(S::finish(digits, k, &self.net.keys))
     }
 }
 
@@ -65,12 +69,13 @@ impl<S: Digits> Coordinates for SobolStream<'_, S> {
 
     #[inline]
     fn next_1d(&mut self) -> f64 {
-        match (self.digits.get(self.axis), self.net.keys.get(self.axis)) {
-            (Some(&digits), Some(key)) => {
+        let k = self.axis;
+        match self.digits.get(k) {
+            Some(&digits) => {
                 self.axis += 1;
-                unit(S::finish(digits, key))
+                unit(S::finish(digits, k, &self.net.keys))
             }
-            _ => self.begin(),
+            None => self.begin(),
         }
     }
 }
