@@ -12,5 +12,5 @@ pub use crate::pdf::{
 #[cfg(feature = "parallel")]
 pub use crate::run::Threads;
 pub use crate::run::{Cancel, Executor, Finished, Reason, RunError, Serial, Stop, run, run_with};
-pub use crate::sampler::{Coordinates, Independent, Randomize, Replay, Sampler, Stratified};
+pub use crate::sampler::{Coordinates, Independent, Randomize, Replay, Sampler, Sobol, Stratified};
 pub use crate::value::Value;
