@@ -15,7 +15,7 @@ pub use crate::pdf::{
 pub use crate::run::Threads;
 pub use crate::run::{Cancel, Executor, Finished, Reason, RunError, Serial, Stop, run, run_with};
 pub use crate::sampler::{
-    Coordinates, Halton, Independent, LatinHypercube, Lattice, Randomize, Replay, Sampler,
+    Coordinates, Halton, Independent, LatinHypercube, Lattice, Randomize, Replay, Sampler, Sobol,
     Stratified,
 };
 pub use crate::value::Value;

@@ -10,8 +10,8 @@ mod support;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use estimand::sampler::{
-    Block, Coordinates, Halton, Iid, Independent, LatinHypercube, Lattice, Randomize, Replay,
-    Sampler, Stratified,
+    Block, Coordinates, DigitalShift, Halton, Iid, Independent, LatinHypercube, Lattice,
+    LinearMatrix, Owen, Randomize, Replay, Sampler, Scramble, Sobol, Stratified,
 };
 use rand::SeedableRng;
 use rand::rand_core::{Infallible, TryRng};
@@ -426,6 +426,47 @@ fn permutations_of_a_hypercube_are_independent() {
         assert_plausible(chi_squared::uniform(&pairs), "two points");
         assert_plausible(chi_squared::uniform(&hypercubes), "two hypercubes");
     }
+}
+
+/// The whole suite for one scrambling: a net's own laws are in `tests/sobol.rs`.
+fn sobol<S: Scramble>(name: &str, scramble: S) {
+    for seed in SEEDS {
+        let net = Sobol::new(4).unwrap().scrambled(scramble, seed);
+        assert_laws(name, &net, 6);
+        let firsts: Vec<_> = (0..100_000)
+            .map(|r| points(&net.randomize(r), Block { len: 2, ..FIRST }, 6))
+            .collect();
+        let of = |i: usize, k: usize| firsts.iter().map(move |p| p[i][k]);
+        let pairs = |i, k, j, l| square(of(i, k).zip(of(j, l)).map(|(x, y)| [x, y]));
+        let next = square(firsts.chunks_exact(2).map(|p| [p[0][0][0], p[1][0][0]]));
+        for (p, what) in [
+            (interval(of(0, 0)), "first coordinate"),
+            (interval(of(1, 3)), "last coordinate of the net"),
+            (interval(of(1, 5)), "beyond the net"),
+            (pairs(0, 0, 0, 1), "coordinates 0 and 1"),
+            (pairs(0, 2, 0, 3), "coordinates 2 and 3"),
+            (pairs(0, 3, 0, 4), "the net and beyond"),
+            (next, "neighbouring replicates"),
+        ] {
+            assert_plausible(p, &format!("{name}, seed {seed}: {what}"));
+        }
+        // Two points of a net depend on each other.
+        assert_rejected(pairs(0, 0, 1, 0), "two points of a net");
+    }
+}
+
+const FIRST: Block = Block {
+    index: 0,
+    start: 0,
+    len: 1,
+};
+
+#[test]
+fn sobol_nets() {
+    assert_laws("Sobol", &Sobol::new(4).unwrap(), 6);
+    sobol("Sobol, shifted", DigitalShift);
+    sobol("Sobol, linear matrix", LinearMatrix);
+    sobol("Sobol, Owen", Owen);
 }
 
 // Negative controls.

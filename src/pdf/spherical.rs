@@ -34,13 +34,14 @@ fn sin_cos_turn(t: f64) -> (f64, f64) {
     let nearest = (quarters + 0.5) as u32;
     let r = quarters - f64::from(nearest);
     let square = r * r;
-    // Estrin's scheme: a tree of sums, where Horner's is a chain.
+    // Estrin's scheme: a tree of sums, where Horner's is a chain. The first
+    // terms are added last, so that only their rounding counts.
     let (x2, x4) = (square, square * square);
     let pair = |c: &[f64], k: usize| c[k] + c[k + 1] * x2;
-    let sin =
-        r * ((pair(&SIN, 0) + pair(&SIN, 2) * x4) + (pair(&SIN, 4) + SIN[6] * x4) * (x4 * x4));
-    let cos =
-        (pair(&COS, 0) + pair(&COS, 2) * x4) + (pair(&COS, 4) + pair(&COS, 6) * x4) * (x4 * x4);
+    let tail = pair(&SIN, 1) + pair(&SIN, 3) * x4 + pair(&SIN, 5) * (x4 * x4);
+    let sin = r * (SIN[0] + tail * x2);
+    let high = pair(&COS, 5) + COS[7] * x4;
+    let cos = COS[0] + (pair(&COS, 1) + pair(&COS, 3) * x4 + high * (x4 * x4)) * x2;
     let (sin, cos) = if nearest & 1 == 0 {
         (sin, cos)
     } else {

@@ -63,6 +63,11 @@ impl Independent {
 }
 
 impl<R> Independent<R> {
+    /// What its points belong to.
+    pub(super) const fn seed(&self) -> u64 {
+        self.seed
+    }
+
     /// The points that the generators of type `R` give for `seed`.
     ///
     /// ```
@@ -85,15 +90,29 @@ pub struct IndependentStream<R = Pcg64Mcg> {
     generator: R,
 }
 
+impl<R: Rng> IndependentStream<R> {
+    /// All 64 bits of which a coordinate takes 53.
+    #[inline]
+    pub(super) fn next_u64(&mut self) -> u64 {
+        self.generator.next_u64()
+    }
+}
+
 impl<R: Rng> Coordinates for IndependentStream<R> {
     #[inline]
     fn next_point(&mut self) {}
 
     #[inline]
     fn next_1d(&mut self) -> f64 {
-        const ULP: f64 = 1.0 / (1_u64 << 53) as f64;
-        (self.generator.next_u64() >> 11) as f64 * ULP
+        unit(self.next_u64())
     }
+}
+
+/// The first 53 of 64 digits, as a number of [0, 1).
+#[inline]
+pub(super) const fn unit(digits: u64) -> f64 {
+    const ULP: f64 = 1.0 / (1_u64 << 53) as f64;
+    (digits >> 11) as f64 * ULP
 }
 
 impl<R: Rng + SeedableRng> Sampler for Independent<R> {
@@ -129,6 +148,7 @@ pub(super) const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// SplitMix64's finaliser: a bijection of the 64-bit integers that scatters
 /// neighbours.
+#[inline]
 pub(super) const fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);

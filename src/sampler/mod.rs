@@ -13,6 +13,7 @@ mod lattice_vector;
 mod permutation;
 mod replay;
 mod scrambling;
+mod sobol;
 mod stratified;
 mod unit_point;
 
@@ -24,6 +25,7 @@ pub use replay::{Replay, ReplayError, ReplayStream};
 pub use scrambling::{
     DigitPermutations, NestedScrambling, RandomScrambling, Scrambling, Unscrambled,
 };
+pub use sobol::{DigitalShift, LinearMatrix, Owen, Scramble, Sobol, SobolError, SobolStream};
 #[cfg(feature = "render")]
 pub(crate) use stratified::width;
 pub use stratified::{Stratified, StratifiedError, StratifiedStream};
