@@ -14,6 +14,7 @@ use std::time::Instant;
 
 use estimand::prelude::*;
 use estimand::render::{Film, Image, Radiance, RandomizedFilm, Roulette, Seen, Technique, scenes};
+use estimand::sampler::DigitalShift;
 use glam::DVec3;
 use reference::SIZE;
 
@@ -86,16 +87,15 @@ fn film(view: Seen<'_>, sampler: Independent, threads: usize) -> Result<Image, E
     Ok(pool.install(|| run(&mut film, &Threads, &budget))?.answer)
 }
 
-/// Eight randomisations of a set of 32 points in each pixel.
-fn strata<const D: usize>(
+/// The points of a sampler in each pixel, randomised as often as the budget
+/// pays for.
+fn sets<S: Randomize + Send + Sync>(
     view: Seen<'_>,
-    counts: [u64; D],
-    seed: u64,
+    sampler: S,
+    points: u64,
     threads: usize,
 ) -> Result<Image, Error> {
-    let grid = Stratified::new(counts, 1, seed)?;
-    let points = grid.len();
-    let mut film = RandomizedFilm::new(view, grid, SIZE, points, SAMPLES / points)?;
+    let mut film = RandomizedFilm::new(view, sampler, SIZE, points, SAMPLES / points)?;
     let budget = Stop::samples(SAMPLES * 48 * 48);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -158,12 +158,22 @@ fn main() -> Result<(), Error> {
             row(
                 "strata in the pixel",
                 own,
-                Box::new(move |seed| strata(own, [4, 8], seed, threads)),
+                Box::new(move |seed| sets(own, Stratified::new([4, 8], 1, seed)?, 32, threads)),
             )?;
             row(
                 "strata in pixel and light",
                 own,
-                Box::new(move |seed| strata(own, [2, 2, 2, 4], seed, threads)),
+                Box::new(move |seed| {
+                    sets(own, Stratified::new([2, 2, 2, 4], 1, seed)?, 32, threads)
+                }),
+            )?;
+            row(
+                "Sobol's net, shifted",
+                own,
+                Box::new(move |seed| {
+                    let net = Sobol::new(16)?.scrambled(DigitalShift, seed);
+                    sets(own, net, 32, threads)
+                }),
             )?;
         }
         for round in 0..ROUNDS {
