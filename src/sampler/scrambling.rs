@@ -141,7 +141,9 @@ impl Scrambling for Unscrambled {
 /// Any two different digits become any two different digits, equally likely.
 /// The variance of an estimate depends on pairs of points alone, hence on pairs
 /// of digits: it is, for every integrand, that of permutations drawn from all
-/// b!.
+/// b!. How errors are distributed about it is not: fewer points than b₁ b₂ still
+/// lie on lines, other ones each time, where most permutations leave no trace of
+/// any.
 ///
 /// Source: Matoušek, *On the L₂-Discrepancy for Anchored Boxes* (1998), for
 /// permutations of this form.
