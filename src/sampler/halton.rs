@@ -357,6 +357,13 @@ mod tests {
     }
 
     #[test]
+    fn no_more_points_are_complete_than_there_are() {
+        let halton = Halton::new(2, 1).unwrap();
+        assert_eq!(halton.complete(777), 777);
+        assert_eq!(halton.complete(MOST_POINTS + 1), MOST_POINTS);
+    }
+
+    #[test]
     fn refuses_dimensions_that_it_does_not_have() {
         assert_eq!(Halton::new(0, 1).unwrap_err(), HaltonError::NoDimension);
         assert_eq!(
