@@ -42,7 +42,8 @@ pub trait Integrator {
     /// How many samples it has taken in all.
     fn spent(&self) -> u64;
 
-    /// The fewest samples that the next pass takes.
+    /// The fewest samples that the next pass takes; `u64::MAX` if there is none,
+    /// its points being used up.
     fn smallest_pass(&self) -> u64;
 
     /// Plans the next pass, of at most `budget` samples, and returns the number
