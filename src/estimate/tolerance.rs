@@ -180,13 +180,52 @@ impl Tolerance {
             let missed = error == 0.0 && varied;
             self.admits(error, if missed { 0.0 } else { size })
         };
-        let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        self.judge(mean, error, small)
+    }
+
+    /// Whether a value with this error in each component is good enough.
+    pub(crate) fn admits_value(&self, value: &[f64], error: &[f64]) -> bool {
+        self.judge(value, error, |error, size| self.admits(error, size))
+    }
+
+    fn judge(&self, value: &[f64], error: &[f64], small: impl Fn(f64, f64) -> bool) -> bool {
         match self.measure {
-            Measure::Each => (0..V::Components::COUNT).all(|k| small(error[k], mean[k].abs())),
-            Measure::Component(k) => k < mean.len() && small(error[k], mean[k].abs()),
-            Measure::Norm => small(norm(error), norm(mean)),
+            Measure::Each => (value.iter().zip(error)).all(|(v, e)| small(*e, v.abs())),
+            Measure::Component(k) => k < value.len() && small(error[k], value[k].abs()),
+            Measure::Norm => small(norm(error), norm(value)),
         }
     }
+
+    /// What an error in each component of this value weighs against the others:
+    /// the inverse of what is admitted.
+    pub(crate) fn weights<C: Components>(&self, value: &C) -> C {
+        let mut weights = C::ZERO;
+        let admitted = |v: &f64| self.absolute.max(self.relative * v.abs());
+        let most = value.as_ref().iter().map(admitted).fold(0.0, f64::max);
+        for (k, (weight, v)) in (weights.as_mut().iter_mut().zip(value.as_ref())).enumerate() {
+            *weight = match self.measure {
+                Measure::Each if C::COUNT > 1 && most > 0.0 => {
+                    let admitted = admitted(v);
+                    1.0 / if admitted > 0.0 { admitted } else { most }
+                }
+                Measure::Component(only) if only != k => 0.0,
+                _ => 1.0,
+            };
+        }
+        weights
+    }
+
+    /// How much an error weighs: by its worst component, or its norm.
+    pub(crate) fn weigh(&self, weights: &[f64], error: &[f64]) -> f64 {
+        match self.measure {
+            Measure::Norm => norm(error),
+            _ => (weights.iter().zip(error)).fold(0.0, |most, (w, e)| (w * e).max(most)),
+        }
+    }
+}
+
+fn norm(v: &[f64]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]
