@@ -4,8 +4,8 @@ use core::fmt;
 
 use super::QuadratureError;
 use super::composite::finite;
-use super::regions::{BoxRule, MOST_AXES, NotFinite, Regions};
-use super::symmetric::Symmetric;
+use super::regions::{BoxRule, NotFinite, Regions};
+use super::symmetric::{MOST_AXES, Symmetric};
 use crate::estimate::{Tolerance, with_errors};
 use crate::pdf::Pdf;
 use crate::sampler::UnitPoint;

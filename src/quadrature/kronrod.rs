@@ -1,6 +1,6 @@
 //! The Gauss–Kronrod rule of 21 nodes.
 
-use super::regions::{Found, has_room, rounding};
+use super::found::{Found, has_room, rounding};
 use crate::value::Components;
 
 /// The positive nodes on [−1, 1] from the outermost, and their weights halved:

@@ -14,6 +14,7 @@
 mod adaptive;
 mod composite;
 mod error;
+mod found;
 mod kronrod;
 mod orbit;
 mod regions;

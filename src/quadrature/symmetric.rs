@@ -1,11 +1,14 @@
 //! Fully symmetric rules on a box.
 
+use super::found::{Found, has_room, rounding};
 use super::orbit::{
     Orbit::{self, All, Centre, One, Three, Two},
     add,
 };
-use super::regions::{Found, MOST_AXES, has_room, rounding};
 use crate::value::Components;
+
+/// The most dimensions: beyond, 2ⁿ corners are too many for each box.
+pub(super) const MOST_AXES: usize = 15;
 
 /// The most orbits that a rule has.
 const MOST: usize = 9;
