@@ -248,6 +248,37 @@ mod tests {
         assert!(Tolerance::either(1.0, 0.1).unwrap().is_met_by(&e));
     }
 
+    /// By what is admitted, by one component, or by the norm.
+    #[test]
+    fn errors_weigh_by_the_measure() {
+        let weigh =
+            |t: Tolerance, value: [f64; 3], error: [f64; 3]| t.weigh(&t.weights(&value), &error);
+        let t = Tolerance::relative(0.5).unwrap();
+        let (value, error) = ([4.0, -1.0, 0.0], [3.0, 1.0, 0.25]);
+        // Nothing is admitted for a value of 0: as much as for the largest.
+        assert_eq!(t.weights(&value), [0.5, 2.0, 0.5]);
+        assert_eq!(weigh(t, value, error), 2.0);
+        assert_eq!(weigh(t.of(Measure::Component(2)), value, error), 0.25);
+        assert_eq!(weigh(t.of(Measure::Norm), value, [2.0, 3.0, 6.0]), 7.0);
+        let either = Tolerance::either(2.0, 0.5).unwrap();
+        assert_eq!(either.weights(&[8.0, 1.0, 0.0]), [0.25, 0.5, 0.5]);
+        assert_eq!(t.weights(&[0.0, 0.0]), [1.0, 1.0]);
+        assert_eq!(t.weights(&[1e-300]), [1.0]);
+    }
+
+    #[test]
+    fn a_value_without_samples_is_judged_alike() {
+        let t = Tolerance::relative(0.1).unwrap();
+        assert!(t.admits_value(&[10.0, -1.0], &[1.0, 0.1]));
+        assert!(!t.admits_value(&[10.0, -1.0], &[1.0, 0.11]));
+        assert!(
+            t.of(Measure::Component(0))
+                .admits_value(&[10.0, 0.0], &[1.0, 5.0])
+        );
+        assert!(t.of(Measure::Norm).admits_value(&[10.0, 0.0], &[0.6, 0.8]));
+        assert!(!t.admits_value(&[0.0], &[0.0]) && t.admits_value(&[1.0], &[0.0]));
+    }
+
     #[test]
     fn zero_is_not_relatively_known() {
         let m: Moments<f64> = [0.0, 0.0].into_iter().collect();

@@ -41,7 +41,7 @@ pub(super) const COST: u64 = 21;
 /// g, the error of K is about its power 32/20, the ratio of the orders; the
 /// power 3/2 and the factor 200, found by experience, keep above it.
 ///
-/// Source: Piessens et al., *QUADPACK* (1983), §2.2.1 and §3.4.1. Nodes and
+/// Source: Piessens et al., *QUADPACK* (1983). Nodes and
 /// weights by solving for Stieltjes' polynomial in exact fractions; Laurie,
 /// *Calculation of Gauss–Kronrod Quadrature Rules* (1997), has them for any n.
 pub(super) fn apply<C: Components>(

@@ -48,15 +48,16 @@ impl BoxRule {
     /// Where cutting once does far more than that (in one dimension, or down to
     /// rounding), D is only what the whole had not owned to, D − E.
     ///
-    /// Source: Berntsen, Espelid & Genz (1991), §2.4.
+    /// Source: Berntsen, Espelid & Genz (1991), who correct errors in two steps
+    /// as well.
     fn compare<C: Components>(&self, whole: &Found<C>, halves: &mut [Found<C>; 2]) {
+        let gains = (halves.each_ref()).map(|half| half.settled || matches!(self, Self::Kronrod));
         for k in 0..C::COUNT {
             let [a, b] = halves.each_ref().map(|half| half.value.as_ref()[k]);
             let difference = (whole.value.as_ref()[k] - (a + b)).abs();
             let unowned = (difference - whole.error.as_ref()[k]).max(0.0);
             let sum: f64 = halves.iter().map(|half| half.error.as_ref()[k]).sum();
-            for half in halves.iter_mut() {
-                let gains = matches!(self, Self::Kronrod) || half.settled;
+            for (half, gains) in halves.iter_mut().zip(gains) {
                 let more = if gains { unowned } else { difference };
                 let error = &mut half.error.as_mut()[k];
                 if sum > 0.0 {

@@ -140,7 +140,7 @@ impl Symmetric {
     /// An axis's bend is g's fourth difference along it, its components
     /// weighted by `weights`; where bends agree, the wider side is taken.
     ///
-    /// Source: van Dooren & de Ridder (1976), §3; Genz & Malik (1980).
+    /// Source: van Dooren & de Ridder (1976); Genz & Malik (1980).
     pub(super) fn apply<C: Components>(
         &self,
         centre: &[f64],
@@ -225,9 +225,8 @@ fn corners(n: usize) -> f64 {
 /// As a rule, such a polynomial is 0 for all symmetric polynomials of a lower
 /// degree. It sees how much g has of its own.
 ///
-/// Source: Berntsen, Espelid & Genz (1991), §2, for null rules scaled like the
-/// rule; Laurie, *Stratified Sequences of Nested Quadrature Formulas* (1992),
-/// for orthogonal polynomials as null rules.
+/// Source: Berntsen & Espelid, *Error Estimation in Automatic Quadrature Routines*
+/// (1991), for orthogonal null rules that are scaled like the rule.
 fn null_rules(n: usize, orbits: &[Orbit], weights: &Weights) -> Vec<(usize, Weights)> {
     /// Products of Σxᵢ², Σxᵢ⁴, Σxᵢ⁶, Σxᵢ⁸, by their exponents.
     const POLYNOMIALS: [[i32; 4]; 12] = [
@@ -289,7 +288,7 @@ fn null_rules(n: usize, orbits: &[Orbit], weights: &Weights) -> Vec<(usize, Weig
 /// box is too large to tell. The factors are larger than theirs by experience
 /// on Genz's families: [`Found`] is to be believed.
 ///
-/// Source: Berntsen, Espelid & Genz (1991), §2.3.
+/// Source: Berntsen, Espelid & Genz (1991), for the ratio and its two cases.
 fn error(seen: &[f64], noise: f64) -> f64 {
     let least = noise.max(f64::MIN_POSITIVE);
     let ratios = seen.windows(2).map(|w| w[1] / w[0].max(least));
