@@ -9,6 +9,7 @@ mod sum;
 mod sums;
 mod tolerance;
 
+pub(crate) use display::with_errors;
 pub use interval::{ConfidenceInterval, LevelError};
 pub use moments::Moments;
 pub use ratio::{Ratio, RatioError};
