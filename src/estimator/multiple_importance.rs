@@ -1,0 +1,140 @@
+//! f by several pdfs at once.
+
+use core::fmt::Debug;
+
+use super::{Estimator, Location};
+use crate::integrand::Integrand;
+use crate::sampler::Coordinates;
+use crate::value::{Components, Value};
+
+/// Multiple importance sampling: f at points of several pdfs, each weighed by
+/// how likely the others were to give it.
+///
+/// ```text
+/// ⟨I⟩ = Σᵢⱼ wᵢ(xᵢⱼ) f(xᵢⱼ) / nᵢpᵢ(xᵢⱼ)      E⟨I⟩ = ∫ Σᵢ wᵢ f = ∫ f
+/// ```
+///
+/// in the multi-sample model, nᵢ points of each pᵢ
+/// ([`MultiSample`](super::MultiSample)); in the one-sample model, a single
+/// point of a pᵢ that is picked with probability cᵢ, which stands for nᵢ
+/// ([`OneSample`](super::OneSample)). Unbiased if some pᵢ > 0 wherever f ≠ 0:
+/// none of them has to cover all of the domain.
+///
+/// Good where each pdf is good in a part of the domain, or for a part of f,
+/// and nobody knows where. Where one pdf is good everywhere, it is better alone:
+/// samples of the others are spent in vain, though at worst that factor is lost.
+///
+/// A density that is not positive and finite at a point that its own pdf
+/// sampled gives NaN, which the integrators refuse. Where another pdf is 0, it
+/// has no weight.
+///
+/// # Example
+///
+/// A product of a narrow and a wide factor, by points of either:
+///
+/// ```
+/// use estimand::estimator::{Heuristic, MultiSample, MultipleImportance};
+/// use estimand::prelude::*;
+///
+/// let f = |x: f64| 10.0 * (-10.0 * x).exp() + 2.0 * x;
+/// let techniques = (Exponential::new(0.0, 10.0)?, Linear::new(0.0, 1.0, 0.0, 1.0)?);
+/// let f = |x| if x < 1.0 { f(x) } else { 0.0 };
+/// let both = MultiSample::new(techniques, [1, 1], Heuristic::Balance)?;
+/// let mut integrator = MonteCarlo::new(MultipleImportance::new(f, both), Independent::new(1));
+/// let e = run(&mut integrator, &Serial, &Stop::samples(10_000))?.answer;
+/// assert!((e.mean - (2.0 - (-10_f64).exp())).abs() < 5.0 * e.standard_error);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// Source: Veach & Guibas, *Optimally Combining Sampling Techniques for Monte
+/// Carlo Rendering* (1995); Veach, *Robust Monte Carlo Methods for Light
+/// Transport Simulation* (1997), ch. 9.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MultipleImportance<F, M, const N: usize> {
+    pub(super) integrand: F,
+    pub(super) model: M,
+}
+
+/// How N techniques are combined: a model of multiple importance sampling.
+///
+/// Law: for every g that is 0 where all densities are, the expectation of
+/// Σ g(x)/`divisor` over the samples of one primary estimate is ∫ g.
+pub trait Combination<const N: usize> {
+    /// What each of them makes.
+    type Point: Debug;
+
+    /// Draws the samples of one primary estimate, in order, and shows each.
+    fn draw<C: Coordinates>(&self, u: &mut C, see: impl FnMut(Draw<Self::Point, N>));
+}
+
+/// A sample of one of several techniques.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Draw<X, const N: usize> {
+    /// x
+    pub point: X,
+    /// i, the technique that made it.
+    pub technique: usize,
+    /// pₖ(x) for every k.
+    pub densities: [f64; N],
+    /// nᵢpᵢ(x)/wᵢ(x)
+    pub divisor: f64,
+}
+
+impl<F, M: Combination<N>, const N: usize> MultipleImportance<F, M, N> {
+    /// `integrand`, by the techniques of `model`.
+    pub const fn new<V>(integrand: F, model: M) -> Self
+    where
+        F: Fn(M::Point) -> V,
+    {
+        Self { integrand, model }
+    }
+
+    /// `integrand`, by the techniques of `model`, for any [`Integrand`].
+    pub const fn of(integrand: F, model: M) -> Self
+    where
+        F: Integrand<M::Point>,
+    {
+        Self { integrand, model }
+    }
+}
+
+/// `sum` += `term`, by component.
+#[inline]
+pub(super) fn add<V: Value>(sum: &mut V::Components, term: V) {
+    for (sum, x) in sum.as_mut().iter_mut().zip(term.components().as_ref()) {
+        *sum += x;
+    }
+}
+
+impl<M: Combination<N>, F: Integrand<M::Point>, const N: usize> Estimator
+    for MultipleImportance<F, M, N>
+{
+    type Value = <F::Value as Value>::Wide;
+
+    #[inline]
+    fn estimate<C: Coordinates>(&self, u: &mut C) -> Self::Value {
+        let mut sum = <Self::Value as Value>::Components::ZERO;
+        self.model.draw(u, |x| {
+            let value = self.integrand.evaluate(x.point);
+            add::<Self::Value>(&mut sum, value.over(x.divisor));
+        });
+        Self::Value::wide(sum)
+    }
+
+    fn locate<C: Coordinates>(&self, u: &mut C) -> Location {
+        let mut found = None;
+        self.model.draw(u, |x| {
+            if found.is_none() {
+                let location = Location {
+                    point: Some(format!("{:?}", x.point)),
+                    density: Some(x.densities[x.technique]),
+                };
+                let term = self.integrand.evaluate(x.point).over(x.divisor);
+                if !term.components().as_ref().iter().all(|c| c.is_finite()) {
+                    found = Some(location);
+                }
+            }
+        });
+        found.unwrap_or_default()
+    }
+}
