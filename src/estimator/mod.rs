@@ -2,6 +2,10 @@
 //! integral.
 
 mod antithetic;
+mod control_variates;
+mod controlled;
+mod density_controls;
+mod fixed_coefficients;
 mod from_fn;
 mod heuristic;
 mod importance;
@@ -11,6 +15,10 @@ mod one_sample;
 mod primary;
 
 pub use antithetic::Antithetic;
+pub use control_variates::ControlVariates;
+pub use controlled::{Controlled, ControlsError};
+pub use density_controls::DensityControls;
+pub use fixed_coefficients::FixedCoefficients;
 pub use from_fn::FromFn;
 pub use heuristic::{Exponent, ExponentError, Heuristic};
 pub use importance::{Importance, TryImportance};

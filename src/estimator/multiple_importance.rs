@@ -51,8 +51,8 @@ use crate::value::{Components, Value};
 /// Transport Simulation* (1997), ch. 9.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MultipleImportance<F, M, const N: usize> {
-    pub(super) integrand: F,
-    pub(super) model: M,
+    integrand: F,
+    model: M,
 }
 
 /// How N techniques are combined: a model of multiple importance sampling.
@@ -122,19 +122,28 @@ impl<M: Combination<N>, F: Integrand<M::Point>, const N: usize> Estimator
     }
 
     fn locate<C: Coordinates>(&self, u: &mut C) -> Location {
-        let mut found = None;
-        self.model.draw(u, |x| {
-            if found.is_none() {
-                let location = Location {
-                    point: Some(format!("{:?}", x.point)),
-                    density: Some(x.densities[x.technique]),
-                };
-                let term = self.integrand.evaluate(x.point).over(x.divisor);
-                if !term.components().as_ref().iter().all(|c| c.is_finite()) {
-                    found = Some(location);
-                }
-            }
-        });
-        found.unwrap_or_default()
+        locate(&self.integrand, &self.model, u)
     }
+}
+
+/// Where the first sample lies whose term is not finite.
+pub(super) fn locate<M: Combination<N>, const N: usize>(
+    integrand: &impl Integrand<M::Point>,
+    model: &M,
+    u: &mut impl Coordinates,
+) -> Location {
+    let mut found = None;
+    model.draw(u, |x| {
+        if found.is_none() {
+            let location = Location {
+                point: Some(format!("{:?}", x.point)),
+                density: Some(x.densities[x.technique]),
+            };
+            let term = integrand.evaluate(x.point).over(x.divisor);
+            if !term.components().as_ref().iter().all(|c| c.is_finite()) {
+                found = Some(location);
+            }
+        }
+    });
+    found.unwrap_or_default()
 }
