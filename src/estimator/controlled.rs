@@ -21,16 +21,16 @@ use crate::value::Value;
 /// use estimand::integrator::ControlledMonteCarlo;
 /// use estimand::prelude::*;
 ///
-/// // A walk of 16 steps; its sum and its length are known on average.
+/// // A walk of 16 steps; where it ends, and the square of that, is known on average.
 /// let walk = FromFn(|u: &mut dyn Coordinates| {
 ///     let steps: [f64; 16] = core::array::from_fn(|_| 2.0 * u.next_1d() - 1.0);
 ///     let sum: f64 = steps.iter().sum();
-///     Controlled { value: sum.exp(), controls: [sum, sum * sum] }
+///     Controlled { value: (sum / 4.0).exp(), controls: [sum, sum * sum] }
 /// });
 /// let mut integrator = ControlledMonteCarlo::new(walk, [0.0, 16.0 / 3.0], Independent::new(1))?;
 /// let e = run(&mut integrator, &Serial, &Stop::samples(100_000))?.answer;
-/// assert!(e.variance_reduction() > 1.5);
-/// let exact = 1_f64.sinh().powi(16);
+/// assert!(e.variance_reduction() > 10.0);
+/// let exact = (4.0 * 0.25_f64.sinh()).powi(16);
 /// assert!((e.estimate.mean - exact).abs() < 5.0 * e.estimate.standard_error);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -37,15 +37,14 @@ use crate::value::{Components, Value};
 /// use estimand::prelude::*;
 ///
 /// let (guess, defence) = (Tent::new(0.5, 0.1)?, Interval::unit());
-/// let f = move |x: f64| 3.0 * guess.density(&x) + x.sin();
+/// let f = move |x: f64| 3.0 * guess.density(&x) + 1.0 + 0.1 * x;
 /// let model = OneSample::new((guess, defence), [4.0, 1.0], Heuristic::Balance)?;
 /// let estimator = DensityControls::new(f, model);
 /// let mut integrator = ControlledMonteCarlo::new(estimator, [1.0; 2], Independent::new(1))?;
 /// let e = run(&mut integrator, &Serial, &Stop::samples(10_000))?.answer;
 /// assert_eq!(e.dropped, [false, true]);
 /// assert!(e.variance_reduction() > 10.0);
-/// let exact = 4.0 - 1_f64.cos();
-/// assert!((e.estimate.mean - exact).abs() < 5.0 * e.estimate.standard_error);
+/// assert!((e.estimate.mean - 4.05).abs() < 5.0 * e.estimate.standard_error);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
