@@ -30,7 +30,7 @@ pub fn draw(curves: &[Curve; 3]) -> Result<(), Box<dyn Error>> {
         .margin_right(24)
         .x_label_area_size(48)
         .y_label_area_size(64)
-        .build_cartesian_2d(0.0..1.0, (1e-3..10.0).log_scale())?;
+        .build_cartesian_2d(0.0..1.0, (0.1..100.0).log_scale())?;
     chart
         .configure_mesh()
         .bold_line_style(RULE)
@@ -41,19 +41,22 @@ pub fn draw(curves: &[Curve; 3]) -> Result<(), Box<dyn Error>> {
         .axis_desc_style(("sans-serif", 18).into_font().color(&INK))
         .label_style(("sans-serif", 16).into_font().color(&INK))
         .x_labels(11)
-        .y_labels(5)
+        .y_labels(4)
         .draw()?;
-    for (curve, colour) in curves.iter().zip(COLOURS) {
-        let points = curve.points.iter().copied();
-        chart.draw_series(LineSeries::new(points, colour.stroke_width(2)))?;
-        let Some(&at) = curve.points.get(curve.points.len() / 2) else {
-            continue;
-        };
+    let [balance, power, controls] = curves.each_ref().map(|c| c.points.iter().copied());
+    let [blue, vermilion, green] = COLOURS;
+    chart.draw_series(LineSeries::new(balance, blue.stroke_width(2)))?;
+    let dashes = DashedLineSeries::new(power, 7, 5, vermilion.stroke_width(2));
+    chart.draw_series(dashes)?;
+    chart.draw_series(LineSeries::new(controls, green.stroke_width(2)))?;
+
+    let labels = curves.iter().zip(&COLOURS).zip([66.0, 42.0, 27.0]);
+    chart.draw_series(labels.map(|((curve, colour), height)| {
         let style = TextStyle::from(("sans-serif", 18).into_font())
-            .color(&colour)
-            .pos(Pos::new(HPos::Center, VPos::Bottom));
-        chart.draw_series([Text::new(curve.name, (at.0, 1.1 * at.1), style)])?;
-    }
+            .color(colour)
+            .pos(Pos::new(HPos::Left, VPos::Center));
+        Text::new(curve.name, (0.04, height), style)
+    }))?;
     area.present()?;
     Ok(())
 }

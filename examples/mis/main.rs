@@ -220,7 +220,11 @@ fn shares() -> Result<[Curve; 3], Box<dyn Error>> {
             points.push((c, e.standard_error.powi(2) * EVALUATIONS as f64));
         }
     }
-    let names = ["balance", "power", "densities as controls"];
+    let names = [
+        "▬ balance heuristic",
+        "╌ power heuristic",
+        "▬ balance heuristic, densities as control variates",
+    ];
     let mut named = names.into_iter().zip(points);
     Ok(core::array::from_fn(|_| {
         let (name, points) = named.next().unwrap_or_default();

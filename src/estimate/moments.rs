@@ -146,7 +146,7 @@ impl<V: Value> Moments<V> {
     }
 
     /// The same, of a value that has the same components.
-    pub(crate) const fn retyped<U: Value<Components = V::Components>>(self) -> Moments<U> {
+    pub(crate) fn retyped<U: Value<Components = V::Components>>(self) -> Moments<U> {
         Moments {
             count: self.count,
             non_finite: self.non_finite,

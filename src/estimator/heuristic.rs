@@ -91,24 +91,33 @@ impl Heuristic {
         let largest = q.iter().copied().fold(0.0, f64::max);
         let powers = q.map(|q| {
             let r = if q == f64::INFINITY { 1.0 } else { q / largest };
-            match self {
-                Self::Balance => r,
-                Self::Power => r * r,
-                Self::PowerOf(Exponent(beta)) => r.powf(beta),
-            }
+            self.raise(r)
         });
         let total: f64 = powers.iter().sum();
         powers.map(|power| power / total)
     }
 
-    /// qᵢ/wᵢ, by which the value of a sample of technique `i` is divided; NaN
-    /// where qᵢ is not positive and finite, ∞ where the weight is 0.
+    /// qᵢ/wᵢ = qᵢ Σ (qₖ/qᵢ)ᵝ, by which the value of a sample of technique `i` is
+    /// divided; NaN where qᵢ is not positive and finite, ∞ where the weight is 0.
     #[inline]
     pub(super) fn divisor<const N: usize>(self, i: usize, q: [f64; N]) -> f64 {
-        if q[i] > 0.0 && q[i] < f64::INFINITY {
-            q[i] / self.weights(q)[i]
-        } else {
-            f64::NAN
+        let own = q[i];
+        if !(own > 0.0 && own < f64::INFINITY) {
+            return f64::NAN;
+        }
+        match self {
+            Self::Balance => q.iter().sum(),
+            _ => own * q.iter().map(|q| self.raise(q / own)).sum::<f64>(),
+        }
+    }
+
+    /// rᵝ
+    #[inline]
+    fn raise(self, r: f64) -> f64 {
+        match self {
+            Self::Balance => r,
+            Self::Power => r * r,
+            Self::PowerOf(Exponent(beta)) => r.powf(beta),
         }
     }
 
@@ -178,11 +187,32 @@ mod tests {
                 let weights = h.weights(q);
                 let sum: f64 = weights.iter().sum();
                 prop_assert!((sum - 1.0).abs() < 1e-12, "{h:?} {sum}");
-                for (w, q) in weights.iter().zip(q) {
-                    prop_assert!((0.0..=1.0).contains(w));
-                    prop_assert!(q > 0.0 || *w == 0.0, "weight for what cannot be sampled");
+                for i in 0..q.len() {
+                    let (w, divisor) = (weights[i], h.divisor(i, q));
+                    prop_assert!((0.0..=1.0).contains(&w));
+                    if q[i] > 0.0 {
+                        // Where neither the weight underflows nor the divisor overflows.
+                        let off = if w > 1e-290 && divisor < 1e300 {
+                            q[i] / w / divisor - 1.0
+                        } else {
+                            0.0
+                        };
+                        prop_assert!(off.abs() <= 1e-12, "{h:?} {divisor} {w}");
+                    } else {
+                        prop_assert!(w == 0.0 && divisor.is_nan(), "what cannot be sampled");
+                    }
                 }
             }
+        }
+    }
+
+    #[test]
+    fn infinite_neighbours_take_all() {
+        for h in all() {
+            assert_eq!(h.divisor(0, [2.0, f64::INFINITY]), f64::INFINITY);
+            assert!(h.divisor(1, [2.0, f64::INFINITY]).is_nan());
+            assert!(h.divisor(0, [f64::NAN, 2.0]).is_nan());
+            assert!(h.divisor(0, [2.0, f64::NAN]).is_nan());
         }
     }
 

@@ -22,7 +22,9 @@ use crate::value::{Components, Value};
 ///
 /// Good where each pdf is good in a part of the domain, or for a part of f,
 /// and nobody knows where. Where one pdf is good everywhere, it is better alone:
-/// samples of the others are spent in vain, though at worst that factor is lost.
+/// the others add noise of their own. Of a pdf with variance σ², used with the
+/// share c in the balance heuristic, (σ² + (1 − c) I²)/c may be left;
+/// [`DensityControls`](super::DensityControls) leave σ²/c at most.
 ///
 /// A density that is not positive and finite at a point that its own pdf
 /// sampled gives NaN, which the integrators refuse. Where another pdf is 0, it

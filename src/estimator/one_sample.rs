@@ -40,6 +40,8 @@ use crate::sampler::Coordinates;
 pub struct OneSample<T, const N: usize> {
     techniques: T,
     pick: DiscreteCdf,
+    /// cᵢ
+    shares: [f64; N],
     heuristic: Heuristic,
 }
 
@@ -91,8 +93,8 @@ impl<T: Techniques<N>, const N: usize> OneSample<T, N> {
         heuristic: Heuristic,
     ) -> Result<Self, OneSampleError> {
         let pick = DiscreteCdf::new(&weights)?;
-        for technique in 0..N {
-            let share = pick.density(&technique);
+        let shares = core::array::from_fn(|k| pick.density(&k));
+        for (technique, &share) in shares.iter().enumerate() {
             if share < 0.5 * f64::EPSILON {
                 return Err(OneSampleError::NeverPicked { technique, share });
             }
@@ -100,6 +102,7 @@ impl<T: Techniques<N>, const N: usize> OneSample<T, N> {
         Ok(Self {
             techniques,
             pick,
+            shares,
             heuristic,
         })
     }
@@ -115,7 +118,7 @@ impl<T: Techniques<N>, const N: usize> Combination<N> for OneSample<T, N> {
         let x = self.techniques.sample(technique, u);
         let mut densities = self.techniques.densities(&x.point);
         densities[technique] = x.density;
-        let mut q: [f64; N] = core::array::from_fn(|k| self.pick.density(&k) * densities[k]);
+        let mut q: [f64; N] = core::array::from_fn(|k| self.shares[k] * densities[k]);
         q[technique] = picked.density * x.density;
         see(Draw {
             point: x.point,

@@ -129,6 +129,10 @@ impl<V: Value, const K: usize> Products<V, K> {
     pub(super) fn correct(&mut self, coefficients: &[V::Components; K], expectations: &[f64; K]) {
         for (k, beta) in coefficients.iter().enumerate() {
             let beta = beta.as_ref();
+            // 0 · ∞ is not 0.
+            if beta.iter().all(|b| *b == 0.0) {
+                continue;
+            }
             let excess = self.controls[k] - expectations[k];
             for (y, b) in self.value.as_mut().iter_mut().zip(beta) {
                 *y -= b * excess;
@@ -163,8 +167,9 @@ impl<V: Value, const K: usize> Products<V, K> {
         for (a, row) in covariance.as_mut().iter_mut().enumerate() {
             for (b, c) in row.as_mut().iter_mut().enumerate() {
                 *c /= (self.count - 1) as f64;
-                // Rounding may leave what was explained just below 0.
-                if a == b {
+                // Rounding may leave what was explained just below 0; squares
+                // beyond 10³⁰⁸ leave ∞ − ∞, which is no error bar of 0.
+                if a == b && !c.is_nan() {
                     *c = c.max(0.0);
                 }
             }
@@ -273,6 +278,17 @@ mod tests {
         assert_eq!(of(8, |x| ([x; 2], [x, x * x])).fit().dropped, [false; 2]);
         let huge = of(20, |x| ([x; 2], [1e200 * x])).fit();
         assert_eq!((huge.dropped, huge.coefficients), ([true], [[0.0; 2]]));
+    }
+
+    /// Of values whose squares overflow nothing is known, rather than all.
+    #[test]
+    fn what_overflows_has_no_error_bar_of_zero() {
+        let mut p = of(20, |x| ([x * 1e200, x], [x]));
+        let beta = p.fit().coefficients;
+        assert!((beta[0][0] / 1e200 - 1.0).abs() < 1e-12);
+        p.correct(&beta, &[0.5]);
+        let [[a, _], [_, b]] = p.covariance().unwrap();
+        assert!(!a.is_finite() && b < 1e-12, "{a} {b}");
     }
 
     #[test]
