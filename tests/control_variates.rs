@@ -76,6 +76,25 @@ fn binomial(covered: u64, level: f64) -> f64 {
     (2.0 * below.min(above)).min(1.0)
 }
 
+/// The stated variance of few samples, averaged over runs, is that of the means
+/// over runs. Without what samples that correct each other add, it would be too
+/// small by about 2K/N.
+#[test]
+fn error_bars_of_few_samples_are_not_too_short() {
+    const N: u64 = 40;
+    let three = |x: &f64| [*x, x * x, (3.0 * x).sin()];
+    let three = ControlVariates::new(|x: f64| x.exp(), three, Interval::unit());
+    let expectations = [0.5, 1.0 / 3.0, (1.0 - 3_f64.cos()) / 3.0];
+    let of = |seed| {
+        let e = controlled(three, expectations, seed, N).estimate;
+        ((e.mean - (E - 1.0)).powi(2), e.standard_error.powi(2))
+    };
+    let squares: Vec<(f64, f64)> = (0..20_000).map(of).collect();
+    let excess = |scale: f64| -> Vec<f64> { squares.iter().map(|(s, v)| s - scale * v).collect() };
+    assert_plausible(student(&excess(1.0), 0.0), "stated and true variance");
+    assert_rejected(student(&excess(0.87), 0.0), "2K/N too small");
+}
+
 #[test]
 fn intervals_cover_as_often_as_they_say() {
     let three = ControlVariates::new(
@@ -133,10 +152,12 @@ fn a_control_that_is_the_integrand_leaves_no_error() {
         assert_eq!(e.variance_reduction(), f64::INFINITY);
     }
     // Too few for a regression: as without controls.
-    let e = controlled(same, [1.25], 1, 5);
-    assert_eq!((e.dropped, e.coefficients), ([true], [0.0]));
-    assert_eq!(e.variance_reduction(), 1.0);
-    assert!((e.estimate.mean - e.plain.mean).abs() < 1e-15);
+    for n in [1, 5, 6] {
+        let e = controlled(same, [1.25], 1, n);
+        assert_eq!((e.dropped, e.coefficients), ([true], [0.0]));
+        assert!((e.variance_reduction() - 1.0).abs() < 1e-12);
+        assert!((e.estimate.mean - e.plain.mean).abs() < 1e-15);
+    }
 }
 
 /// Left out and reported, and the answer is that without them.

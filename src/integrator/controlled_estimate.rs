@@ -14,12 +14,12 @@ pub struct ControlledEstimate<V: Value, const K: usize> {
     pub estimate: Estimate<V>,
     /// What the same samples say without control variates.
     pub plain: Estimate<V>,
-    /// β: what was given, or the regression on all samples, which each fold's own
-    /// coefficients scatter about.
+    /// β: what was given, or the mean of what the samples were corrected with.
     pub coefficients: [V::Wide; K],
-    /// Which control variates say nothing and have no coefficient: the constant
-    /// ones, and those that are combinations of the ones before them. All
-    /// where samples are too few for a regression: below 2K + 4.
+    /// Which control variates say nothing, in at least one fold, and have no
+    /// coefficient there: the constant ones, and those that are combinations of
+    /// the ones before them. All where samples are too few for a regression:
+    /// fewer than 2K + 4 in seven folds.
     pub dropped: [bool; K],
     /// How many standard errors the mean of each control variate lies from the
     /// expectation that was stated: beyond 5 or so, that is most likely wrong,

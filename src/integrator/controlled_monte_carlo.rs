@@ -3,7 +3,7 @@
 use core::ops::ControlFlow;
 
 use super::plan::Plan;
-use super::regression::{CONSTANT, Fit, Products};
+use super::regression::{CONSTANT, Fit, Matrix, Products};
 use super::sample_block::sample_block;
 use super::sample_error::Failure;
 use super::{ControlledEstimate, Integrator, NonFinite, SampleError};
@@ -24,9 +24,11 @@ use crate::value::{Components, Value};
 /// answer biased, by an order of 1/N, and its error bar too small. Here they are
 /// cross-fitted: the samples are dealt into eight folds, and each is corrected
 /// with coefficients from the seven others, which know nothing of it. The answer
-/// is unbiased at any N, and its error bar that of the corrected samples. With
-/// many samples nothing is lost: the noise of K coefficients adds to the variance
-/// about 8K/7N of it.
+/// is unbiased at any N. Its error bar is that of the corrected samples, and half
+/// as much again as the noise of the coefficients adds to it: samples that correct
+/// each other are not quite independent. With many samples nothing is lost; that
+/// noise is about K/N of the variance. With some ten samples a control, the
+/// variance is itself uncertain, and intervals cover less than they say.
 ///
 /// Control variates that are constant, or combinations of the ones before them,
 /// are left out, and the answer says which
@@ -160,6 +162,26 @@ where
     }
 }
 
+/// c + (c − f)/2, where c is the covariance of samples that are corrected with
+/// coefficients of others, and f of those with coefficients fitted to them.
+///
+/// The noise of coefficients is in c once, and misses in f once. It adds to the
+/// variance of the mean once where the residuals do not depend on the controls;
+/// where they do, samples i and j correct each other with a covariance, by
+/// Cauchy and Schwarz once more at most.
+fn widened<V: Value>(cross_fitted: Matrix<V>, fitted: Matrix<V>) -> Matrix<V> {
+    let mut wide = cross_fitted;
+    for (k, (row, fitted)) in wide.as_mut().iter_mut().zip(fitted.as_ref()).enumerate() {
+        let cells = row.as_mut().iter_mut().zip(fitted.as_ref());
+        for (l, (c, f)) in cells.enumerate() {
+            let more = 0.5 * (*c - f);
+            // A variance does not fall.
+            *c += if k == l { more.max(0.0) } else { more };
+        }
+    }
+    wide
+}
+
 /// As for [`MonteCarlo`](super::MonteCarlo).
 const FIRST_PASS: u64 = 1024;
 
@@ -245,22 +267,43 @@ where
     fn answer(&self) -> Option<Self::Answer> {
         let moments = self.moments.retyped::<V>();
         let mut corrected = Products::new();
-        for (number, fold) in self.folds.iter().enumerate() {
+        let mut coefficients = [V::Components::ZERO; K];
+        let mut dropped = [false; K];
+        let taken = self.folds.iter().enumerate().filter(|(_, f)| f.count > 0);
+        for (number, fold) in taken {
             let mut fold = fold.clone();
             let fit = self.fit(&self.without(number));
             fold.correct(&fit.coefficients, &self.expectations);
+            for k in 0..K {
+                dropped[k] |= fit.dropped[k];
+                let beta = fit.coefficients[k];
+                for (sum, b) in coefficients[k].as_mut().iter_mut().zip(beta.as_ref()) {
+                    *sum += b * fold.count as f64;
+                }
+            }
             corrected.merge(fold);
         }
         let n = corrected.count as f64;
+        for beta in coefficients.iter_mut().flat_map(AsMut::as_mut) {
+            *beta /= n;
+        }
+        let all = self.without(FOLDS);
+        let mut covariance = corrected.covariance();
+        let fit = self.fit(&all);
+        if fit.dropped == dropped {
+            let mut fitted = all.clone();
+            fitted.correct(&fit.coefficients, &self.expectations);
+            covariance = covariance
+                .zip(fitted.covariance())
+                .map(|(c, f)| widened::<V>(c, f));
+        }
         let estimate = Estimate::new(
             V::wide(corrected.mean()),
-            corrected.covariance().map(|c| scaled::<V>(c, 1.0 / n)),
+            covariance.map(|c| scaled::<V>(c, 1.0 / n)),
             n - 1.0,
             ErrorSource::Independent,
             &moments,
         )?;
-        let all = self.without(FOLDS);
-        let fit = self.fit(&all);
         let off = core::array::from_fn(|k| {
             let error = (all.hh[k][k] / (n - 1.0) / n).sqrt();
             let z = (all.controls[k] - self.expectations[k])
@@ -270,8 +313,8 @@ where
         Some(ControlledEstimate {
             estimate,
             plain: Estimate::independent(&moments)?,
-            coefficients: fit.coefficients.map(V::wide),
-            dropped: fit.dropped,
+            coefficients: self.fixed.unwrap_or_else(|| coefficients.map(V::wide)),
+            dropped,
             off,
         })
     }

@@ -22,7 +22,7 @@ pub(super) struct Products<V: Value, const K: usize> {
     pub(super) hh: [[f64; K]; K],
 }
 
-type Matrix<V> = <<V as Value>::Components as Components>::Matrix;
+pub(super) type Matrix<V> = <<V as Value>::Components as Components>::Matrix;
 
 /// Coefficients β, and which controls have none because they say nothing.
 #[derive(Clone, Debug)]
