@@ -24,11 +24,11 @@ use crate::value::{Components, Value};
 /// answer biased, by an order of 1/N, and its error bar too small. Here they are
 /// cross-fitted: the samples are dealt into eight folds, and each is corrected
 /// with coefficients from the seven others, which know nothing of it. The answer
-/// is unbiased at any N. Its error bar is that of the corrected samples, and half
-/// as much again as the noise of the coefficients adds to it: samples that correct
-/// each other are not quite independent. With many samples nothing is lost; that
-/// noise is about K/N of the variance. With some ten samples a control, the
-/// variance is itself uncertain, and intervals cover less than they say.
+/// is unbiased at any N. Its error bar is that of the corrected samples, which
+/// shows the noise of the coefficients once, and that noise once more: samples
+/// that correct each other are not quite independent. With many samples nothing
+/// is lost; the noise is about K/N of the variance. With some ten samples a
+/// control, the variance is itself uncertain, and intervals cover less than they say.
 ///
 /// Control variates that are constant, or combinations of the ones before them,
 /// are left out, and the answer says which
