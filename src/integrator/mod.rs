@@ -1,14 +1,19 @@
 //! Spends a budget of samples, pass by pass.
 
+mod controlled_estimate;
+mod controlled_monte_carlo;
 mod median;
 mod monte_carlo;
 mod plan;
 mod randomized_qmc;
+mod regression;
 mod sample_block;
 mod sample_error;
 mod strata;
 mod stratified_monte_carlo;
 
+pub use controlled_estimate::ControlledEstimate;
+pub use controlled_monte_carlo::ControlledMonteCarlo;
 pub use median::Median;
 pub use monte_carlo::MonteCarlo;
 pub use randomized_qmc::{RandomizedQmc, RandomizedQmcError, ReplicateError};

@@ -35,6 +35,7 @@ mod spherical;
 mod standard_normal;
 mod statrs_adapter;
 mod tails;
+mod techniques;
 mod tent;
 mod triangle;
 mod truncated_normal;
@@ -64,6 +65,7 @@ pub use piecewise_linear::{PiecewiseLinear1D, PiecewiseLinearError};
 pub use power::{Power, PowerError};
 pub use sphere::UniformSphere;
 pub use statrs_adapter::{Statrs, StatrsError};
+pub use techniques::Techniques;
 pub use tent::{Tent, TentError};
 #[cfg(feature = "render")]
 pub(crate) use triangle::fold;

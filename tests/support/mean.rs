@@ -2,6 +2,7 @@
 
 use std::f64::consts::SQRT_2;
 
+use estimand::estimate::Estimate;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use statrs::function::erf::erfc;
 
@@ -35,4 +36,16 @@ pub fn student(values: &[f64], expected: f64) -> f64 {
 /// P(|T| > |t|) with `freedom` degrees of freedom.
 pub fn student_survival(t: f64, freedom: f64) -> f64 {
     2.0 * StudentsT::new(0.0, 1.0, freedom).unwrap().sf(t.abs())
+}
+
+/// The p-value of the variance of the primary estimates: of n of them, with the
+/// excess kurtosis κ, its standard error is σ² √((κ + 2)/n). The mean is not
+/// looked at.
+///
+/// Source: Cramér, *Mathematical Methods of Statistics* (1946), §27.4.
+pub fn variance_p_value(e: &Estimate<f64>, exact: f64) -> f64 {
+    let variance = e.moments.variance().unwrap();
+    let kurtosis = e.moments.excess_kurtosis().unwrap();
+    let error = variance * ((kurtosis + 2.0) / e.samples() as f64).sqrt();
+    p_value(variance, error, exact)
 }
