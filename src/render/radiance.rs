@@ -161,7 +161,7 @@ impl<'a> Radiance<'a> {
     }
 
     /// One of the rays that go on from a vertex.
-    #[inline]
+    #[inline(always)]
     fn leave<C: Coordinates>(&self, here: &Vertex<'_>, ray: u32, u: &mut C) -> Step {
         let xi = self.technique.layout.point(ray, u);
         let directions = self.technique.directions;
@@ -241,28 +241,25 @@ impl<'a> Radiance<'a> {
         if here.surface.is_specular() {
             return;
         }
-        let mut send = |light, u: &mut C| {
-            if let Some((light, way)) = self.light(here, lights, light, u) {
-                self.finish(path);
-                path.rays += 1;
-                let light = throughput * light;
-                path.shadow = Some(Shadow { light, way });
+        let Some(by_power) = self.scene.by_power() else {
+            return;
+        };
+        let all = self.scene.lights();
+        let (chosen, samples) = match lights.choice {
+            Choice::All { samples } => (all, samples),
+            Choice::One if all.len() == 1 => (all, 1),
+            Choice::One => {
+                let light = by_power.sample(u.next_1d()).point;
+                (&all[light..=light], 1)
             }
         };
-        match (lights.choice, self.scene.by_power()) {
-            (_, None) => {}
-            (Choice::One, Some(by_power)) => {
-                let light = match self.scene.lights() {
-                    [only] => *only,
-                    lights => lights[by_power.sample(u.next_1d()).point],
-                };
-                send(light, u);
-            }
-            (Choice::All { samples }, Some(_)) => {
-                for &light in self.scene.lights() {
-                    for _ in 0..samples {
-                        send(light, u);
-                    }
+        for &light in chosen {
+            for _ in 0..samples {
+                if let Some((light, way)) = self.light(here, lights, light, u) {
+                    self.finish(path);
+                    path.rays += 1;
+                    let light = throughput * light;
+                    path.shadow = Some(Shadow { light, way });
                 }
             }
         }
