@@ -3,7 +3,10 @@
 use glam::{BVec3, DVec3};
 
 use super::scene::Way;
-use super::{Camera, Choice, Direct, Hit, Lights, Ray, Scene, Surface, Technique, TechniqueError};
+use super::{
+    Camera, Choice, Direct, Hit, Lights, Ray, Scene, Surface, SurfacePoint, Technique,
+    TechniqueError,
+};
 use crate::estimator::{Estimator, FromFn};
 use crate::pdf::Pdf;
 use crate::sampler::Coordinates;
@@ -143,7 +146,7 @@ impl<'a> Radiance<'a> {
         }
 
         let vertices = step.vertices + 1;
-        let mut here = Vertex::new(self.scene, hit, outgoing, vertices);
+        let mut here = Vertex::new(self.scene, &hit, outgoing, vertices);
         if technique.max_vertices == Some(vertices)
             || here.surface.is_black()
             || step.throughput.max_element() < technique.threshold
@@ -167,8 +170,8 @@ impl<'a> Radiance<'a> {
         let directions = self.technique.directions;
         let scatter = here
             .surface
-            .scatter(directions, here.normal, here.outgoing, xi, u);
-        let from = here.hit.point;
+            .scatter(directions, here.point.normal, here.outgoing, xi, u);
+        let from = here.point;
         Step {
             ray: from.ray(scatter.direction),
             throughput: here.share * scatter.weight,
@@ -274,11 +277,11 @@ impl<'a> Radiance<'a> {
         light: usize,
         u: &mut C,
     ) -> Option<(DVec3, Way)> {
-        let x = &here.hit.point;
+        let x = &here.point;
         let sample = self
             .scene
             .sample_light(light, lights.points, x.position, u.next_2d());
-        let cos = here.normal.dot(sample.direction);
+        let cos = here.point.normal.dot(sample.direction);
         let emitted = self.scene.emitted(light, &sample.point, -sample.direction);
         if cos <= 0.0 || emitted == DVec3::ZERO {
             return None;
@@ -288,7 +291,7 @@ impl<'a> Radiance<'a> {
             Direct::Both(_, heuristic) => {
                 let density = here.surface.density(
                     self.technique.directions,
-                    here.normal,
+                    here.point.normal,
                     here.outgoing,
                     sample.direction,
                 );
@@ -298,7 +301,7 @@ impl<'a> Radiance<'a> {
         };
         let f = here
             .surface
-            .evaluate(here.normal, here.outgoing, sample.direction);
+            .evaluate(here.point.normal, here.outgoing, sample.direction);
         let arriving = f * emitted * (weight * cos / by_light);
         (arriving != DVec3::ZERO).then(|| (arriving, Way::new(x, &sample.point, sample.distance)))
     }
@@ -342,11 +345,10 @@ struct Step {
 /// A vertex of a path, seen from where the path came.
 #[derive(Clone, Copy)]
 struct Vertex<'a> {
-    hit: Hit,
+    /// With the normal on the side of `outgoing`.
+    point: SurfacePoint,
     surface: &'a Surface,
     outgoing: DVec3,
-    /// The normal on the side of `outgoing`.
-    normal: DVec3,
     /// How many vertices there are up to here.
     vertices: u32,
     /// The throughput that each ray starts with.
@@ -355,17 +357,15 @@ struct Vertex<'a> {
 
 impl<'a> Vertex<'a> {
     #[inline]
-    fn new(scene: &'a Scene, hit: Hit, outgoing: DVec3, vertices: u32) -> Self {
+    fn new(scene: &'a Scene, hit: &Hit, outgoing: DVec3, vertices: u32) -> Self {
         let normal = hit.point.normal;
         Self {
-            hit,
+            point: SurfacePoint {
+                normal: normal * 1.0_f64.copysign(normal.dot(outgoing)),
+                ..hit.point
+            },
             surface: &scene.primitives()[hit.primitive].surface,
             outgoing,
-            normal: if normal.dot(outgoing) < 0.0 {
-                -normal
-            } else {
-                normal
-            },
             vertices,
             share: DVec3::ZERO,
         }
