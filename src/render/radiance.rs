@@ -4,7 +4,7 @@ use glam::{BVec3, DVec3};
 
 use super::scene::Way;
 use super::{
-    Camera, Choice, Direct, Hit, Lights, Ray, Scene, Surface, SurfacePoint, Technique,
+    Camera, Choice, Direct, Lights, Primitive, Ray, Scene, Surface, SurfacePoint, Technique,
     TechniqueError,
 };
 use crate::estimator::{Estimator, FromFn};
@@ -135,20 +135,22 @@ impl<'a> Radiance<'a> {
         }
         let technique = &self.technique;
         path.rays += 1;
-        let Some(hit) = self.intersect(&step.ray, path) else {
+        let Some((distance, primitive)) = self.nearest(&step.ray, path) else {
             path.radiance += step.throughput * self.scene.environment();
             return None;
         };
+        let Primitive { shape, surface, .. } = &self.scene.primitives()[primitive];
+        let point = shape.point_at(&step.ray, distance);
         let outgoing = -step.ray.direction;
-        let emitted = self.scene.emitted(hit.primitive, &hit.point, outgoing);
+        let emitted = self.scene.emitted(primitive, &point, outgoing);
         if emitted != DVec3::ZERO {
-            path.radiance += step.throughput * emitted * self.share_of_hit(step, &hit);
+            path.radiance += step.throughput * emitted * self.share_of_hit(step, primitive, point);
         }
 
         let vertices = step.vertices + 1;
-        let mut here = Vertex::new(self.scene, &hit, outgoing, vertices);
+        let mut here = Vertex::new(&point, surface, outgoing, vertices);
         if technique.max_vertices == Some(vertices)
-            || here.surface.is_black()
+            || surface.is_black()
             || step.throughput.max_element() < technique.threshold
         {
             return None;
@@ -194,30 +196,30 @@ impl<'a> Radiance<'a> {
     /// How much of a light that is hit counts: all of it where it could not
     /// have been sampled.
     #[inline]
-    fn share_of_hit(&self, step: &Step, hit: &Hit) -> f64 {
+    fn share_of_hit(&self, step: &Step, primitive: usize, point: SurfacePoint) -> f64 {
         match (self.technique.direct, step.left) {
             (Direct::Hit, _) | (_, None) => 1.0,
             (Direct::Light(_), Some(_)) => 0.0,
             (Direct::Both(lights, heuristic), Some((from, density))) => {
-                let by_light = lights.expected(self.scene, hit.primitive)
+                let by_light = lights.expected(self.scene, primitive)
                     * self
                         .scene
-                        .light_density(hit.primitive, lights.points, from, &hit.point);
+                        .light_density(primitive, lights.points, from, &point);
                 heuristic.weight(f64::from(self.rays) * density, by_light)
             }
         }
     }
 
-    /// What a ray meets; on the way, the shadow ray that waits is traced, for
-    /// neither has to wait for the other.
+    /// How far a ray goes, and which primitive it meets; on the way, the shadow
+    /// ray that waits is traced, for neither has to wait for the other.
     #[inline]
-    fn intersect(&self, ray: &Ray, path: &mut Path) -> Option<Hit> {
+    fn nearest(&self, ray: &Ray, path: &mut Path) -> Option<(f64, usize)> {
         let Some(shadow) = path.shadow.take() else {
-            return self.scene.intersect(ray);
+            return self.scene.nearest(ray);
         };
-        let (hit, seen) = self.scene.intersect_beside(ray, &shadow.way);
+        let (nearest, seen) = self.scene.nearest_beside(ray, &shadow.way);
         path.add(&shadow, seen);
-        hit
+        nearest
     }
 
     /// Traces the shadow ray that waits, if one does.
@@ -357,14 +359,14 @@ struct Vertex<'a> {
 
 impl<'a> Vertex<'a> {
     #[inline]
-    fn new(scene: &'a Scene, hit: &Hit, outgoing: DVec3, vertices: u32) -> Self {
-        let normal = hit.point.normal;
+    fn new(point: &SurfacePoint, surface: &'a Surface, outgoing: DVec3, vertices: u32) -> Self {
+        let normal = point.normal;
         Self {
             point: SurfacePoint {
                 normal: normal * 1.0_f64.copysign(normal.dot(outgoing)),
-                ..hit.point
+                ..*point
             },
-            surface: &scene.primitives()[hit.primitive].surface,
+            surface,
             outgoing,
             vertices,
             share: DVec3::ZERO,

@@ -230,16 +230,17 @@ impl Scene {
     #[must_use]
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        self.hit(ray, self.packed.nearest(ray, f64::INFINITY))
-    }
-
-    #[inline]
-    fn hit(&self, ray: &Ray, nearest: Option<(f64, usize)>) -> Option<Hit> {
-        nearest.map(|(distance, primitive)| Hit {
+        self.nearest(ray).map(|(distance, primitive)| Hit {
             distance,
             point: self.primitives[primitive].shape.point_at(ray, distance),
             primitive,
         })
+    }
+
+    /// The distance to what the ray meets first, and its number.
+    #[inline]
+    pub(super) fn nearest(&self, ray: &Ray) -> Option<(f64, usize)> {
+        self.packed.nearest(ray, f64::INFINITY)
     }
 
     /// V(x, y): whether nothing stands between the two points.
@@ -256,13 +257,13 @@ impl Scene {
         self.packed.nearest(&way.ray, way.length).is_none()
     }
 
-    /// What the ray meets first, and whether the way is clear: both take hardly
-    /// longer than one of them.
+    /// [`nearest`](Self::nearest), and whether the way is clear: both take
+    /// hardly longer than one of them.
     #[inline]
-    pub(super) fn intersect_beside(&self, ray: &Ray, way: &Way) -> (Option<Hit>, bool) {
+    pub(super) fn nearest_beside(&self, ray: &Ray, way: &Way) -> (Option<(f64, usize)>, bool) {
         let rays = [(ray, f64::INFINITY), (&way.ray, way.length)];
         let [nearest, between] = self.packed.each_nearest(rays);
-        (self.hit(ray, nearest), between.is_none())
+        (nearest, between.is_none())
     }
 
     /// Lₑ at a point of this primitive in the direction `outgoing`.
