@@ -284,10 +284,12 @@ impl<'a> Radiance<'a> {
             .scene
             .sample_light(light, lights.points, x.position, u.next_2d());
         let cos = here.point.normal.dot(sample.direction);
-        let emitted = self.scene.emitted(light, &sample.point, -sample.direction);
-        if cos <= 0.0 || emitted == DVec3::ZERO {
+        let cos_light = -sample.point.normal.dot(sample.direction);
+        // One branch for both, hard to foretell as they are.
+        if (cos <= 0.0) | (cos_light <= 0.0) {
             return None;
         }
+        let emitted = self.scene.primitives()[light].emission;
         let by_light = lights.expected(self.scene, light) * sample.density;
         let weight = match self.technique.direct {
             Direct::Both(_, heuristic) => {
@@ -305,7 +307,10 @@ impl<'a> Radiance<'a> {
             .surface
             .evaluate(here.point.normal, here.outgoing, sample.direction);
         let arriving = f * emitted * (weight * cos / by_light);
-        (arriving != DVec3::ZERO).then(|| (arriving, Way::new(x, &sample.point, sample.distance)))
+        (arriving != DVec3::ZERO).then(|| {
+            let way = Way::new(x, &sample.point, sample.direction, sample.distance);
+            (arriving, way)
+        })
     }
 }
 

@@ -247,8 +247,9 @@ impl Scene {
     #[must_use]
     #[inline]
     pub fn visible(&self, x: &SurfacePoint, y: &SurfacePoint) -> bool {
-        let way = (y.position - x.position).length();
-        way == 0.0 || self.is_clear(&Way::new(x, y, way))
+        let to = y.position - x.position;
+        let length = to.length();
+        length == 0.0 || self.is_clear(&Way::new(x, y, to, length))
     }
 
     /// Whether nothing stands in the way.
@@ -289,10 +290,9 @@ pub(super) struct Way {
 }
 
 impl Way {
-    /// From x to y, which are `length` > 0 apart.
+    /// From x to y, which are `length` > 0 apart in this direction.
     #[inline]
-    pub(super) fn new(x: &SurfacePoint, y: &SurfacePoint, length: f64) -> Self {
-        let direction = y.position - x.position;
+    pub(super) fn new(x: &SurfacePoint, y: &SurfacePoint, direction: DVec3, length: f64) -> Self {
         // Over a long way it is the way's rounding that might put y in its own
         // shadow.
         let error = y.error + error_bound(length);
