@@ -98,7 +98,7 @@ impl<'a> Radiance<'a> {
             ray,
             throughput: DVec3::ONE,
             vertices: 0,
-            left: None,
+            density: None,
         };
         loop {
             // Looked at where it is: a vertex is large, and a single path moves
@@ -173,12 +173,11 @@ impl<'a> Radiance<'a> {
         let scatter = here
             .surface
             .scatter(directions, here.point.normal, here.outgoing, xi, u);
-        let from = here.point;
         Step {
-            ray: from.ray(scatter.direction),
+            ray: here.point.ray(scatter.direction),
             throughput: here.share * scatter.weight,
             vertices: here.vertices,
-            left: scatter.density.map(|density| (from.position, density)),
+            density: scatter.density,
         }
     }
 
@@ -189,7 +188,7 @@ impl<'a> Radiance<'a> {
         let is_last = |n| n - step.vertices == 1;
         self.technique.max_vertices.is_some_and(is_last)
             && matches!(self.technique.direct, Direct::Light(_))
-            && step.left.is_some()
+            && step.density.is_some()
             && self.scene.environment() == DVec3::ZERO
     }
 
@@ -197,14 +196,14 @@ impl<'a> Radiance<'a> {
     /// have been sampled.
     #[inline]
     fn share_of_hit(&self, step: &Step, primitive: usize, point: SurfacePoint) -> f64 {
-        match (self.technique.direct, step.left) {
+        match (self.technique.direct, step.density) {
             (Direct::Hit, _) | (_, None) => 1.0,
             (Direct::Light(_), Some(_)) => 0.0,
-            (Direct::Both(lights, heuristic), Some((from, density))) => {
+            (Direct::Both(lights, heuristic), Some(density)) => {
                 let by_light = lights.expected(self.scene, primitive)
                     * self
                         .scene
-                        .light_density(primitive, lights.points, from, &point);
+                        .light_density(primitive, lights.points, step.ray.origin, &point);
                 heuristic.weight(f64::from(self.rays) * density, by_light)
             }
         }
@@ -344,9 +343,9 @@ struct Step {
     throughput: DVec3,
     /// How many vertices came before.
     vertices: u32,
-    /// Where it left from and with which density per steradian; `None` from a
-    /// camera or a mirror.
-    left: Option<(DVec3, f64)>,
+    /// With which density per steradian it was drawn; `None` from a camera or a
+    /// mirror.
+    density: Option<f64>,
 }
 
 /// A vertex of a path, seen from where the path came.
