@@ -282,10 +282,9 @@ impl<'a> Radiance<'a> {
         let sample = self
             .scene
             .sample_light(light, lights.points, x.position, u.next_2d());
-        let cos = here.point.normal.dot(sample.direction);
-        let cos_light = -sample.point.normal.dot(sample.direction);
-        // One branch for both, hard to foretell as they are.
-        if (cos <= 0.0) | (cos_light <= 0.0) {
+        let to = sample.point.position - x.position;
+        // Hard to foretell: one branch for both, before any root is taken.
+        if (x.normal.dot(to) <= 0.0) | (sample.point.normal.dot(to) >= 0.0) {
             return None;
         }
         let emitted = self.scene.primitives()[light].emission;
@@ -305,9 +304,10 @@ impl<'a> Radiance<'a> {
         let f = here
             .surface
             .evaluate(here.point.normal, here.outgoing, sample.direction);
+        let cos = x.normal.dot(sample.direction);
         let arriving = f * emitted * (weight * cos / by_light);
         (arriving != DVec3::ZERO).then(|| {
-            let way = Way::new(x, &sample.point, sample.direction, sample.distance);
+            let way = Way::new(x, &sample.point, to, sample.distance);
             (arriving, way)
         })
     }
