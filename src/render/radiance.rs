@@ -90,6 +90,9 @@ impl<'a> Radiance<'a> {
 
     /// One path, or a tree of them, depth first: where further rays are to go on
     /// is kept for later. A single path keeps nothing.
+    // What a vertex takes is `inline(always)`, here and in the shapes: a program
+    // with several samplers would call what does not depend on them, and hand
+    // vectors over through memory, which takes a fifth of the time.
     #[inline]
     fn trace<C: Coordinates>(&self, ray: Ray, u: &mut C) -> Path {
         let mut path = Path::default();
@@ -211,7 +214,7 @@ impl<'a> Radiance<'a> {
 
     /// How far a ray goes, and which primitive it meets; on the way, the shadow
     /// ray that waits is traced, for neither has to wait for the other.
-    #[inline]
+    #[inline(always)]
     fn nearest(&self, ray: &Ray, path: &mut Path) -> Option<(f64, usize)> {
         let Some(shadow) = path.shadow.take() else {
             return self.scene.nearest(ray);

@@ -107,7 +107,7 @@ impl Pdf for Shape {
     type Unit = [f64; 2];
     type Point = SurfacePoint;
 
-    #[inline]
+    #[inline(always)]
     fn sample(&self, u: [f64; 2]) -> Sample<SurfacePoint> {
         match self {
             Self::Quad(s) => s.sample(u),

@@ -83,7 +83,7 @@ impl Packed {
 
     /// [`nearest`](Self::nearest) of several rays, which do not wait for each
     /// other.
-    #[inline]
+    #[inline(always)]
     pub(in crate::render) fn each_nearest<const N: usize>(
         &self,
         rays: [(&Ray, f64); N],
