@@ -5,7 +5,7 @@
 
 mod support;
 
-use estimand::pdf::{DiscreteCdf, Mixture, PiecewiseConstant2D, UniformSphere};
+use estimand::pdf::{DiscreteCdf, Mixture, PiecewiseConstant2D, Power, UniformSphere};
 use estimand::prelude::*;
 use estimand::verify::{self, Report, VerifyError, tail};
 use support::assert_plausible;
@@ -31,7 +31,7 @@ fn above(start: f64) -> Interval {
 }
 
 /// n points of the pdf, 4n of its cover.
-const POINTS: u64 = 5_000;
+const POINTS: u64 = 2_000;
 
 #[test]
 fn densities_on_the_line() {
@@ -45,6 +45,11 @@ fn densities_on_the_line() {
     let line = Interval::new(f64::NEG_INFINITY, f64::INFINITY).unwrap();
     let normal = Normal::new(0.5, 1.5).unwrap();
     assert_uniform("a normal", |s| verify::density(&normal, &line, POINTS, s));
+    // p/c is not bounded.
+    let pole = Power::new(0.0, 1.0, -0.9).unwrap();
+    assert_uniform("a pole", |s| {
+        verify::density(&pole, &Interval::unit(), POINTS, s)
+    });
     assert_uniform("a uniform, under 2x/15", |s| {
         verify::density(&range, &slope, POINTS, s)
     });

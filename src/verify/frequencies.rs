@@ -4,8 +4,8 @@ use core::fmt;
 
 use super::{Report, VerifyError, tail};
 
-/// The smallest count that a cell is worth for which the statistic is taken to
-/// be χ² distributed; smaller cells are pooled.
+/// The smallest variance of a count (Pearson's is its expectation) for which the
+/// statistic is taken to be χ² distributed; smaller cells are pooled.
 ///
 /// Source: Cochran, *The χ² Test of Goodness of Fit* (1952), §7.
 const POOLED: f64 = 5.0;
@@ -31,7 +31,7 @@ pub struct Cell {
     pub counted: f64,
     /// How many should have.
     pub expected: f64,
-    /// The variance of `expected`, where that was estimated.
+    /// Of `counted`, were the sum of all counts free.
     pub(super) variance: f64,
 }
 
@@ -105,7 +105,7 @@ pub fn frequencies(counts: &[u64], expected: &[f64]) -> Result<Report<Frequencie
             index,
             counted: n as f64,
             expected,
-            variance: 0.0,
+            variance: expected,
         })
         .collect();
     if let Some(&worst) = cells.iter().find(|c| c.expected == 0.0 && c.counted > 0.0) {
@@ -121,35 +121,25 @@ pub fn frequencies(counts: &[u64], expected: &[f64]) -> Result<Report<Frequencie
     test(cells)
 }
 
-/// The χ² test of counts against expected counts whose sum is known but for a
-/// factor, and which may have independent errors of their own.
+/// The χ² test of counts against expected counts, independent but that their sum
+/// is given.
 ///
 /// ```text
-/// χ² = min_δ Σ (nᵢ − eᵢ − δeᵢ)² / (eᵢ + vᵢ) = Σ dᵢ²/aᵢ − (Σ eᵢdᵢ/aᵢ)² / Σ eᵢ²/aᵢ
+/// χ² = min_δ Σ (nᵢ − eᵢ − δvᵢ)² / vᵢ = Σ dᵢ²/vᵢ − (Σ dᵢ)² / Σ vᵢ      dᵢ = nᵢ − eᵢ
 /// ```
 ///
-/// Minimised over δ, what counts have in common because their sum is given
-/// drops out; so does what estimates have in common that were taken from one
-/// sample. With vᵢ = 0 and equal sums it is Pearson's.
-///
-/// Source: Aitken, *On Least Squares and Linear Combination of Observations*
-/// (1935), for weights e + v and one parameter.
+/// Counts whose variances are v when their sum is free have covariances −vᵢvⱼ/Σv
+/// besides when it is not; minimised over δ, what they have in common drops out.
+/// With v = e and equal sums it is Pearson's.
 pub(super) fn test(cells: Vec<Cell>) -> Result<Report<Frequencies>, VerifyError> {
     let cells = pooled(cells);
     let sum = |f: fn(&Cell) -> f64| cells.iter().map(f).sum::<f64>();
-    let common = sum(|c| c.expected * c.off() / c.spread());
-    let weight = sum(|c| c.expected * c.expected / c.spread());
-    let squares = sum(|c| c.off() * c.off() / c.spread());
-    let statistic = squares - common * common / weight;
-    // Not `max`, which would make 0 of NaN.
-    let statistic = if statistic < 0.0 { 0.0 } else { statistic };
-    let far = |c: &Cell| (c.off() - common / weight * c.expected).abs() / c.spread().sqrt();
-    let worst = cells
-        .iter()
-        .copied()
-        .max_by(|a, b| far(a).total_cmp(&far(b)));
-    match worst {
-        Some(worst) if cells.len() > 1 => Ok(Report {
+    let common = sum(Cell::off) / sum(|c| c.variance);
+    let off = |c: &Cell| (c.off() - common * c.variance) / c.variance.sqrt();
+    let statistic = cells.iter().map(|c| off(c).powi(2)).sum();
+    let far = |a: &&Cell, b: &&Cell| off(a).abs().total_cmp(&off(b).abs());
+    match cells.iter().max_by(far) {
+        Some(&worst) if cells.len() > 1 => Ok(Report {
             p_value: tail::chi_squared(statistic, cells.len() - 1),
             evidence: Frequencies {
                 statistic,
@@ -165,26 +155,14 @@ impl Cell {
     fn off(&self) -> f64 {
         self.counted - self.expected
     }
-
-    /// The variance of `off`, but for what is common to all cells.
-    fn spread(&self) -> f64 {
-        self.expected + self.variance
-    }
-
-    /// Whether it is worth too few counts: e, or less where e is uncertain. An
-    /// empty cell has 0/0.
-    fn is_small(&self) -> bool {
-        let worth = self.expected * (self.expected / self.spread());
-        worth < POOLED || worth.is_nan()
-    }
 }
 
-/// The cells that are worth least are put together.
+/// The cells of the least variance are put together.
 fn pooled(mut cells: Vec<Cell>) -> Vec<Cell> {
     // Largest first, so that the least are pooled at the end.
-    cells.sort_by(|a, b| b.expected.total_cmp(&a.expected));
+    cells.sort_by(|a, b| b.variance.total_cmp(&a.variance));
     while let [.., above, last] = &mut cells[..]
-        && last.is_small()
+        && last.variance < POOLED
     {
         above.counted += last.counted;
         above.expected += last.expected;
@@ -217,22 +195,19 @@ mod tests {
         assert_eq!((found.p_value, found.evidence.worst.index), (0.0, 0));
     }
 
-    /// Twice what was counted, exactly or with errors, is the same shape; and
-    /// errors of e count like those of n.
+    /// What is off in proportion to the variances drops out.
     #[test]
-    fn a_factor_drops_out_and_errors_count() {
+    fn a_common_factor_is_no_shape() {
         let cell = |index, counted, expected, variance| Cell {
             index,
             counted,
             expected,
             variance,
         };
-        let twice = test(vec![cell(0, 10.0, 20.0, 0.0), cell(1, 30.0, 60.0, 5.0)]).unwrap();
-        assert!(twice.evidence.statistic.abs() < 1e-12);
-        let sure = test(vec![cell(0, 60.0, 50.0, 0.0), cell(1, 40.0, 50.0, 0.0)]).unwrap();
-        let unsure = test(vec![cell(0, 60.0, 50.0, 50.0), cell(1, 40.0, 50.0, 50.0)]).unwrap();
-        assert_relative_eq!(sure.evidence.statistic, 4.0);
-        assert_relative_eq!(unsure.evidence.statistic, 2.0);
+        let common = test(vec![cell(0, 10.0, 20.0, 10.0), cell(1, 30.0, 60.0, 30.0)]);
+        assert!(common.unwrap().evidence.statistic.abs() < 1e-12);
+        let shape = test(vec![cell(0, 60.0, 50.0, 25.0), cell(1, 40.0, 50.0, 25.0)]);
+        assert_relative_eq!(shape.unwrap().evidence.statistic, 8.0);
     }
 
     #[test]

@@ -119,7 +119,7 @@ pub(super) fn farthest(all: impl Iterator<Item = Report<Deviation>>) -> Report<D
 /// use estimand::verify;
 ///
 /// let estimator = Importance::new(|x: f64| x.exp(), Interval::new(0.0, 1.0)?);
-/// let mut integrator = RandomizedQmc::new(estimator, Sobol::<Owen>::new(1, 7)?, 16)?;
+/// let mut integrator = RandomizedQmc::new(estimator, Lattice::new(1, 7)?, 16)?;
 /// let e = run(&mut integrator, &Serial, &Stop::samples(16_384))?.answer;
 /// verify::estimate(&e, 1_f64.exp() - 1.0)?.assert(1e-6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

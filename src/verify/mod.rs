@@ -30,7 +30,7 @@
 //!
 //! The seed is fixed, so that a test which passes once always passes; take one
 //! that nobody picked, and answer a failure by looking for its cause. The level is
-//! how often something correct may fail over all seeds: 10⁻⁶ is never.
+//! how often something correct may fail over all seeds: 10⁻⁶ is as good as never.
 
 mod coverage;
 mod density;

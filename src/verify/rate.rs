@@ -197,7 +197,7 @@ mod tests {
     /// Errors that are ±N^(−3/2) have that slope, and no spread but rounding.
     #[test]
     fn an_exact_power_has_its_slope() {
-        let sign = |seed: u64| if seed % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = |seed: u64| [1.0, -1.0][(seed & 1) as usize];
         let power = |n: u64, seed| 7.0 + sign(seed) * (n as f64).powf(-1.5);
         let found = rate(power, 7.0, &[4, 16, 64, 1_000], 40, 1).unwrap();
         assert_relative_eq!(found.slope, -1.5, max_relative = 1e-9);

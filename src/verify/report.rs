@@ -24,7 +24,7 @@ use core::fmt;
 /// // Or look at it:
 /// assert!(report.p_value > 1e-6 && report.evidence.standard_error < 0.01);
 /// println!("{report}");
-/// # Ok::<(), estimand::verify::VerifyError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report<E> {

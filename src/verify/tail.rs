@@ -251,8 +251,8 @@ mod tests {
     #[test]
     fn binomial_tails() {
         for n in [1, 5, 30_u64] {
-            for probability in [0.0, 0.05, 0.5, 0.95] {
-                let mut term = (1.0 - probability as f64).powi(n as i32);
+            for probability in [0.0_f64, 0.05, 0.5, 0.95] {
+                let mut term = (1.0 - probability).powi(n as i32);
                 let mut sum = 0.0;
                 for k in 0..=n {
                     sum += term;
