@@ -8,7 +8,7 @@ mod support;
 use estimand::pdf::{DiscreteCdf, Mixture, PiecewiseConstant2D, Power, UniformSphere};
 use estimand::prelude::*;
 use estimand::verify::{self, Report, VerifyError, tail};
-use support::assert_plausible;
+use support::{assert_plausible, assert_rejected};
 
 /// What the docs of `verify` recommend.
 const LEVEL: f64 = 1e-6;
@@ -16,14 +16,22 @@ const LEVEL: f64 = 1e-6;
 /// Independent runs of each test.
 const RUNS: u64 = 400;
 
-/// Runs a test with many seeds, and asks whether its p-values are uniform. None
-/// of them may fail at the level that the docs recommend either.
-fn assert_uniform<E>(what: &str, test: impl Fn(u64) -> Result<Report<E>, VerifyError>) {
+/// Runs a test with many seeds, and gives the p-value of its p-values, which
+/// are to be uniform. None of them may fail at the level that the docs recommend.
+fn uniformity<E>(test: impl Fn(u64) -> Result<Report<E>, VerifyError>) -> f64 {
     let reports: Vec<_> = (0..RUNS).map(|seed| test(seed).unwrap()).collect();
-    assert!(reports.iter().all(|r| r.passes(LEVEL)), "{what}");
     let p_values: Vec<f64> = reports.iter().map(|r| r.p_value).collect();
-    let report = verify::kolmogorov_smirnov(&p_values, |p| p).unwrap();
-    assert_plausible(report.p_value, &format!("p-values of {what}: {report}"));
+    if reports.iter().any(|r| !r.passes(LEVEL)) {
+        return 0.0;
+    }
+    verify::kolmogorov_smirnov(&p_values, |p| p)
+        .unwrap()
+        .p_value
+}
+
+#[track_caller]
+fn assert_uniform<E>(what: &str, test: impl Fn(u64) -> Result<Report<E>, VerifyError>) {
+    assert_plausible(uniformity(test), &format!("p-values of {what}"));
 }
 
 fn above(start: f64) -> Interval {
@@ -175,4 +183,39 @@ fn coverage_never_promises_less_than_it_holds() {
         .map(|(i, p)| (i + 1) as f64 / n - p);
     let distance = over.fold(0.0, f64::max);
     assert_plausible(tail::kolmogorov(distance, RUNS), "coverage");
+}
+
+/// Tests with a statistic taken from the wrong distribution.
+#[test]
+fn p_values_that_are_not_uniform_are_noticed() {
+    let sum = Importance::new(|x: [f64; 5]| x.iter().sum::<f64>(), UnitCube);
+    let wrong = |p_value: fn(verify::Deviation) -> f64| {
+        uniformity(|seed| {
+            let report = verify::unbiased(&sum, 2.5, 4, seed)?;
+            Ok(Report {
+                p_value: p_value(report.evidence),
+                ..report
+            })
+        })
+    };
+    let normal = wrong(|e| tail::normal(e.t));
+    assert_rejected(normal, "the normal's for Student's");
+    let biased = wrong(|e| tail::student(1.4 * e.t, 3.0));
+    assert_rejected(biased, "bars 30 % too short");
+    let timid = wrong(|e| tail::student(e.t / 1.7, 3.0));
+    assert_rejected(timid, "bars 70 % too long");
+    let squares = uniformity(|seed| {
+        let points: Independent = Independent::new(seed);
+        let cell = Importance::new(|x: f64| x, Interval::unit());
+        let mut counts = [0; 10];
+        for x in primary_estimates(&cell, &points, 1_000) {
+            counts[(10.0 * x) as usize] += 1;
+        }
+        let report = verify::frequencies(&counts, &[100.0; 10])?;
+        Ok(Report {
+            p_value: tail::chi_squared(report.evidence.statistic, 12),
+            ..report
+        })
+    });
+    assert_rejected(squares, "χ² with three degrees of freedom too many");
 }

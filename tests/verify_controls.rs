@@ -192,7 +192,7 @@ fn coverages() {
     let sum = Importance::new(|x: [f64; 5]| x.iter().sum::<f64>(), UnitCube);
     let shrunk = |seed| {
         let mut integrator = MonteCarlo::new(sum, Independent::new(seed));
-        let finished = run(&mut integrator, &Serial, &Stop::samples(100));
+        let finished = run(&mut integrator, &Serial, &Stop::samples(30));
         let mut e = finished.unwrap().answer;
         e.standard_error *= 0.85;
         e

@@ -4,12 +4,11 @@ use core::fmt;
 
 use super::error::at_least;
 use super::frequencies::{Cell, test};
-use super::mean::{deviation, unbiased};
+use super::mean::deviation;
 use super::sidak::together;
 use super::units::units;
 use super::{Deviation, Frequencies, Report, VerifyError};
 use crate::estimate::Moments;
-use crate::estimator::Importance;
 use crate::pdf::{Invert, Pdf};
 use crate::sampler::UnitPoint;
 
@@ -89,7 +88,7 @@ const CELLS: usize = 1 << 12;
 /// ```
 ///
 /// Source: Meng & Wong, *Simulating Ratios of Normalizing Constants via a Simple
-/// Identity* (1996), for ∫ p.
+/// Identity: A Theoretical Exploration* (1996), for ∫ p.
 pub fn density<P, C>(
     pdf: &P,
     cover: &C,
@@ -218,45 +217,6 @@ impl Grid {
     }
 }
 
-/// Whether a density integrates to 1, on any domain.
-///
-/// ```text
-/// ∫ p = ⟨p(y)/c(y)⟩      y drawn from the cover c
-/// ```
-///
-/// A t test on `samples` points of a `cover`, a pdf whose density is trusted and
-/// positive wherever p is. Unlike for [`density()`] it need not be invertible, and
-/// any number of axes will do; but p/c should be bounded. What is drawn from the
-/// pdf itself is not looked at.
-///
-/// # Errors
-///
-/// As [`unbiased`].
-///
-/// # Example
-///
-/// ```
-/// use estimand::pdf::{Exponential, Interval};
-/// use estimand::verify;
-///
-/// let half_line = Interval::new(0.0, f64::INFINITY)?;
-/// verify::normalised(&Exponential::new(0.0, 2.0)?, &half_line, 100_000, 1)?.assert(1e-6);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn normalised<P, C>(
-    pdf: &P,
-    cover: &C,
-    samples: u64,
-    seed: u64,
-) -> Result<Report<Deviation>, VerifyError>
-where
-    P: Pdf,
-    C: Pdf<Point = P::Point>,
-{
-    let weight = Importance::new(|y| pdf.density(&y), cover);
-    unbiased(&weight, 1.0, samples, seed)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -308,7 +268,6 @@ mod tests {
         let report = density(&loaded, &even, 10_000, 1).unwrap();
         report.assert(1e-6);
         assert_eq!(report.evidence.shape.evidence.degrees_of_freedom, 3);
-        normalised(&loaded, &even, 10_000, 1).unwrap().assert(1e-6);
     }
 
     #[test]
@@ -343,7 +302,6 @@ mod tests {
             density(&cube, &cube, 1_000, 1),
             Err(VerifyError::Dimension(13))
         );
-        assert!(normalised(&cube, &cube, 1_000, 1).unwrap().passes(1e-6));
         let few = VerifyError::Samples {
             given: 999,
             needed: 1_000,

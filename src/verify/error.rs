@@ -172,3 +172,29 @@ pub(super) fn comparable(value: f64) -> Result<(), VerifyError> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn says_where_a_sample_was() {
+        let mut error = VerifyError::NonFinite {
+            sample: 7,
+            unit: vec![0.5, 0.25],
+            location: Location::default(),
+        };
+        let unit = "(sample 7, unit point [0.5, 0.25])";
+        let plain = format!("the primary estimate is not finite {unit}");
+        assert_eq!(error.to_string(), plain);
+        if let VerifyError::NonFinite { location, .. } = &mut error {
+            *location = Location {
+                point: Some("1.5".into()),
+                density: Some(0.0),
+            };
+        }
+        let place = "at x = 1.5, where the density is 0";
+        let whole = format!("the primary estimate is not finite {place} {unit}");
+        assert_eq!(error.to_string(), whole);
+    }
+}

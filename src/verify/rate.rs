@@ -10,7 +10,7 @@ use crate::estimate::{Estimate, Moments, Ratio};
 /// The slope of log error against log N.
 ///
 /// Ask it whether it [`is`](Self::is) what theory says, or
-/// [`at most`](Self::is_at_most) as much.
+/// [at most](Self::is_at_most) as much.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rate {
     /// The slope,
@@ -97,9 +97,6 @@ const BATCH: u64 = 10;
 /// rate.is(-0.5).assert(1e-6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-///
-/// Source: Law, *Simulation Modeling and Analysis*, 5th ed., §9.5.3, for the
-/// batches.
 pub fn rate(
     estimate: impl Fn(u64, u64) -> f64,
     exact: f64,

@@ -53,13 +53,18 @@ impl<E: fmt::Display> Report<E> {
     /// With the report, if p < `level`.
     #[track_caller]
     pub fn assert(&self, level: f64) {
-        assert!(self.passes(level), "{self}, not above {level:e}");
+        assert!(self.passes(level), "{self}, where {level:e} was asked");
     }
 }
 
 impl<E: fmt::Display> fmt::Display for Report<E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}; p = {:.3e}", self.evidence, self.p_value)
+        write!(f, "{}; p = ", self.evidence)?;
+        match self.p_value {
+            0.0 => write!(f, "0"),
+            p if p >= 1e-3 => write!(f, "{p:.3}"),
+            p => write!(f, "{p:.2e}"),
+        }
     }
 }
 
@@ -84,7 +89,19 @@ mod tests {
     }
 
     #[test]
-    #[should_panic(expected = "7 of 9; p = 1.250e-9, not above 1e-6")]
+    fn reads_well() {
+        for (p, text) in [
+            (0.0, "0"),
+            (1.0, "1.000"),
+            (0.0314159, "0.031"),
+            (1e-7, "1.00e-7"),
+        ] {
+            assert_eq!(report(p).to_string(), format!("7 of 9; p = {text}"));
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "7 of 9; p = 1.25e-9, where 1e-6 was asked")]
     fn what_fails_says_why() {
         report(1.25e-9).assert(1e-6);
     }
