@@ -5,10 +5,13 @@
 
 mod support;
 
-use estimand::pdf::{DiscreteCdf, Mixture, PiecewiseConstant2D, Power, UniformSphere};
+use estimand::pdf::{
+    ConcentricDisk, DiscreteCdf, Mixture, PiecewiseConstant2D, Power, UniformSphere,
+    UniformTriangle,
+};
 use estimand::prelude::*;
 use estimand::verify::{self, Report, VerifyError, tail};
-use support::{assert_plausible, assert_rejected};
+use support::{SEEDS, assert_plausible, assert_rejected};
 
 /// What the docs of `verify` recommend.
 const LEVEL: f64 = 1e-6;
@@ -85,6 +88,35 @@ fn densities_in_space() {
     assert_uniform("a loaded die", |s| {
         verify::density(&loaded, &die, POINTS, s)
     });
+}
+
+/// Poles, ends at infinity, what is folded and what is flat.
+#[test]
+fn laws_hold_at_the_tolerances_that_are_recommended() {
+    fn hold<P: Invert>(pdf: &P)
+    where
+        P::Point: PartialEq,
+    {
+        for seed in SEEDS {
+            let report = verify::consistent(pdf, 1e-12, 10_000, seed);
+            report.unwrap().assert(LEVEL);
+            let report = verify::invertible(pdf, 1e-9, 10_000, seed);
+            report.unwrap().assert(LEVEL);
+        }
+    }
+    hold(&Interval::new(1.0, 4.0).unwrap());
+    hold(&above(1.0));
+    hold(&Exponential::new(0.0, 2.0).unwrap());
+    hold(&Normal::new(0.5, 1.5).unwrap());
+    hold(&Linear::new(0.0, 1.0, 0.0, 2.0).unwrap());
+    hold(&Power::new(0.0, 1.0, -0.9).unwrap());
+    hold(&[UniformSphere; 2]);
+    hold(&CosineHemisphere);
+    hold(&ConcentricDisk::new(2.0).unwrap());
+    hold(&(
+        UniformTriangle::new([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]).unwrap(),
+        DiscreteCdf::new(&[1.0, 0.0, 2.0]).unwrap(),
+    ));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use super::error::at_least;
-use super::frequencies::{Cell, test};
+use super::frequencies::{Cell, chi_squared};
 use super::mean::deviation;
 use super::sidak::together;
 use super::units::units;
@@ -63,10 +63,10 @@ const CELLS: usize = 1 << 12;
 ///
 /// # Notes
 ///
-/// The pdf itself as its cover would prove nothing: π is the same everywhere,
-/// and cells are filled alike, whatever the density is. p-values hold for any
-/// cover, p/c bounded or not; but where p is so much larger than c that π is near
-/// 1, little is seen. A narrow peak takes a cover that knows where it is.
+/// The pdf itself as its cover would prove nothing: the same points, the same
+/// density, right or wrong. p-values hold for any cover, p/c bounded or not; but
+/// where p is so much larger than c that π is near 1, little is seen. A narrow
+/// peak takes a cover that knows where it is.
 ///
 /// 100,000 samples find a density that is 5 % too large, or tilted by 20 % from
 /// one end of the domain to the other, in 99 of 100 runs, at the level 10⁻⁶.
@@ -135,7 +135,7 @@ where
         mine.push(place(&cover.sample(u).point, false)?);
     }
 
-    let shape = test(cells)?;
+    let shape = chi_squared(cells)?;
     let mass = bridge(&mine, &theirs);
     let centre = grid.centre(shape.evidence.worst.index);
     Ok(Report {

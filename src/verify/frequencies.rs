@@ -118,7 +118,7 @@ pub fn frequencies(counts: &[u64], expected: &[f64]) -> Result<Report<Frequencie
             },
         });
     }
-    test(cells)
+    chi_squared(cells)
 }
 
 /// The χ² test of counts against expected counts, independent but that their sum
@@ -131,7 +131,7 @@ pub fn frequencies(counts: &[u64], expected: &[f64]) -> Result<Report<Frequencie
 /// Counts whose variances are v when their sum is free have covariances −vᵢvⱼ/Σv
 /// besides when it is not; minimised over δ, what they have in common drops out.
 /// With v = e and equal sums it is Pearson's.
-pub(super) fn test(cells: Vec<Cell>) -> Result<Report<Frequencies>, VerifyError> {
+pub(super) fn chi_squared(cells: Vec<Cell>) -> Result<Report<Frequencies>, VerifyError> {
     let cells = pooled(cells);
     let sum = |f: fn(&Cell) -> f64| cells.iter().map(f).sum::<f64>();
     let common = sum(Cell::off) / sum(|c| c.variance);
@@ -204,9 +204,9 @@ mod tests {
             expected,
             variance,
         };
-        let common = test(vec![cell(0, 10.0, 20.0, 10.0), cell(1, 30.0, 60.0, 30.0)]);
+        let common = chi_squared(vec![cell(0, 10.0, 20.0, 10.0), cell(1, 30.0, 60.0, 30.0)]);
         assert!(common.unwrap().evidence.statistic.abs() < 1e-12);
-        let shape = test(vec![cell(0, 60.0, 50.0, 25.0), cell(1, 40.0, 50.0, 25.0)]);
+        let shape = chi_squared(vec![cell(0, 60.0, 50.0, 25.0), cell(1, 40.0, 50.0, 25.0)]);
         assert_relative_eq!(shape.unwrap().evidence.statistic, 8.0);
     }
 

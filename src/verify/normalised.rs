@@ -12,9 +12,9 @@ use crate::pdf::Pdf;
 /// ```
 ///
 /// A t test on `samples` points of a `cover`, a pdf whose density is trusted and
-/// positive wherever p is. Unlike for [`density()`] it need not be invertible, and
-/// any number of axes will do; but p/c should be bounded. What is drawn from the
-/// pdf itself is not looked at.
+/// positive wherever p is. Unlike for [`density`](super::density()) it need not be
+/// invertible, and any number of axes will do; but p/c should be bounded. What is
+/// drawn from the pdf itself is not looked at.
 ///
 /// # Errors
 ///

@@ -72,7 +72,7 @@ where
 ///
 /// # Errors
 ///
-/// As [`unbiased`].
+/// As [`unbiased`](super::unbiased).
 ///
 /// # Example
 ///
