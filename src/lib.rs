@@ -15,5 +15,6 @@ pub mod render;
 pub mod run;
 pub mod sampler;
 pub mod value;
+pub mod verify;
 
 pub use integrate::{Outcome, integrate, try_integrate};
