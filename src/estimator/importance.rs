@@ -38,8 +38,8 @@ use crate::value::Value;
 /// Computations* (1953).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Importance<F, P> {
-    integrand: F,
-    pdf: P,
+    pub(super) integrand: F,
+    pub(super) pdf: P,
 }
 
 impl<F, P: Pdf> Importance<F, P> {

@@ -11,6 +11,7 @@ mod sample_block;
 mod sample_error;
 mod strata;
 mod stratified_monte_carlo;
+mod vegas;
 
 pub use controlled_estimate::ControlledEstimate;
 pub use controlled_monte_carlo::ControlledMonteCarlo;
@@ -24,6 +25,7 @@ pub(crate) use sample_block::sample_block;
 pub(crate) use sample_error::Failure;
 pub use sample_error::{Cause, SampleError};
 pub use stratified_monte_carlo::StratifiedMonteCarlo;
+pub use vegas::{Consistency, Learning, Vegas, VegasError, VegasPass};
 
 use core::ops::ControlFlow;
 
