@@ -184,7 +184,7 @@ impl AdaptiveStrata {
         for (m, spread) in spreads.iter().enumerate() {
             sum += weight(spread);
             // Rounding the running sum leaves none over, and none missing.
-            given = ((sum / total * extra as f64) as u64).clamp(given, extra);
+            given = ((sum / total * extra as f64).round() as u64).clamp(given, extra);
             if m + 1 == strata {
                 given = extra;
             }

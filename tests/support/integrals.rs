@@ -4,6 +4,12 @@
 //! peaks, a ridge off the axes, shells, a singularity. Exact values: closed forms
 //! (products of erf, atan, exponentials), in 60-digit arithmetic, rounded.
 
+#![allow(
+    clippy::excessive_precision,
+    clippy::inconsistent_digit_grouping,
+    reason = "values as they were computed"
+)]
+
 use core::f64::consts::{PI, TAU};
 
 use Family::*;

@@ -19,6 +19,7 @@ pub mod chart;
 pub mod chi_squared;
 #[cfg(feature = "render")]
 pub mod film;
+pub mod integrals;
 pub mod kolmogorov;
 pub mod mean;
 pub mod pdf_laws;

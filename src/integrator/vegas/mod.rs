@@ -122,6 +122,8 @@ const PER_STRATUM_LAST: u64 = 3;
 const PER_CELL: u64 = 15;
 const PER_EFFECTIVE: f64 = 5.0;
 const FEWEST_CELLS: usize = 16;
+/// Less than one in so many of the samples so far are not worth a pass.
+const WORTHWHILE: u64 = 16;
 /// The first round of a run without a limit of samples.
 const FIRST_ROUND: u64 = 1 << 14;
 
@@ -323,24 +325,32 @@ impl<E: TryEstimator> Integrator for Vegas<E> {
         self.spent
     }
 
+    /// What is left of a pass that was interrupted; else two samples at first, and
+    /// later as many as make a difference.
     fn smallest_pass(&self) -> u64 {
         if self.begun > 0 {
             let taken = self.open.as_ref().map_or(0, |pass| pass.taken);
-            self.strata.len() - taken
-        } else {
-            2
+            return self.strata.len() - taken;
+        }
+        match self.next_pass() {
+            Some((size, _)) => size,
+            None => (self.spent / WORTHWHILE).max(2),
         }
     }
 
     fn plan(&mut self, budget: u64) -> u64 {
+        if self.begun == 0 && self.next_pass().is_none_or(|(size, _)| size > budget) {
+            // The round is done, or was planned for a larger budget.
+            self.round = Round::default();
+            if self.smallest_pass() <= budget {
+                self.begin_round(budget);
+            }
+        }
         if self.smallest_pass() > budget {
             return 0;
         }
         if self.begun > 0 {
             return self.plan.blocks - self.begun;
-        }
-        if self.next_pass().is_none_or(|(size, _)| size > budget) {
-            self.begin_round(budget);
         }
         let Some((samples, lesson)) = self.next_pass() else {
             return 0;
