@@ -152,17 +152,18 @@ impl AdaptiveGrid {
     #[inline]
     #[must_use]
     pub fn warp(&self, axis: usize, u: f64) -> GridNode {
-        let n = self.cells;
-        let position = u * n as f64;
-        let cell = (position as usize).min(n - 1);
-        let pair = &self.edges[axis * (n + 1) + cell..][..2];
+        // Narrow integers are cheaper to convert, and cells are few.
+        let n = self.cells as i32;
+        let position = u * f64::from(n);
+        let cell = (position as i32).clamp(0, n - 1);
+        let pair = &self.edges[axis * (self.cells + 1) + cell as usize..][..2];
         let (start, width) = (pair[0], pair[1] - pair[0]);
-        let x = start + (position - cell as f64) * width;
+        let x = start + (position - f64::from(cell)) * width;
         GridNode {
             // Not `min`, which would lose a NaN.
             x: if x >= 1.0 { BELOW_ONE } else { x },
-            width: width * n as f64,
-            cell,
+            width: width * f64::from(n),
+            cell: cell as usize,
         }
     }
 
