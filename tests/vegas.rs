@@ -178,7 +178,7 @@ fn all_components_are_learned() {
         |x: [f64; 2], c: f64| (-200.0 * x.map(|x| (x - c) * (x - c)).iter().sum::<f64>()).exp();
     let f = move |x| [peak(x, 0.3), 1e6 * peak(x, 0.7)];
     let mut vegas = Vegas::new(Importance::new(f, UnitCube::<2>), 2, 1).unwrap();
-    let e = run(&mut vegas, &Serial, &Stop::samples(50_000))
+    let e = run(&mut vegas, &Serial, &Stop::samples(200_000))
         .unwrap()
         .answer;
     let exact = core::f64::consts::PI / 200.0;

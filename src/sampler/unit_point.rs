@@ -55,7 +55,12 @@ impl<U: UnitPoint, const D: usize> UnitPoint for [U; D] {
     const ORIGIN: [U; D] = [U::ORIGIN; D];
     #[inline]
     fn read<C: Coordinates + ?Sized>(coordinates: &mut C) -> [U; D] {
-        core::array::from_fn(|_| U::read(coordinates))
+        // Not `from_fn`, whose closure compilers leave out of line.
+        let mut point = [U::ORIGIN; D];
+        for x in &mut point {
+            *x = U::read(coordinates);
+        }
+        point
     }
     #[inline]
     fn map(self, f: &mut impl FnMut(f64) -> f64) -> [U; D] {
