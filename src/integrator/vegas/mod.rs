@@ -358,7 +358,11 @@ impl<E: TryEstimator> Integrator for Vegas<E> {
         let capped = self.lay_out(samples, lesson);
         // A block of a lesson brings a histogram, which should cost less than its
         // samples.
-        let histogram = if lesson { 4 * self.mapped.grid.cells() as u64 } else { 0 };
+        let histogram = if lesson {
+            4 * self.mapped.grid.cells() as u64
+        } else {
+            0
+        };
         let block_len = (samples / 64).max(histogram).next_power_of_two();
         let block_len = block_len.clamp(64, 4096);
         self.plan = Plan {
