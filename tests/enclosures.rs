@@ -214,7 +214,7 @@ fn a_glossy_plate_in_front_of_a_white_sky() {
         (10.0, [1.0, 0.504_735_946_655, 0.179_158_448_341]),
         (50.0, [1.0, 0.500_002_112_234, 0.119_635_448_108]),
     ] {
-        let surface = Surface::new(DVec3::ZERO, DVec3::ONE, exponent, DVec3::ZERO).unwrap();
+        let surface = Surface::phong(DVec3::ZERO, DVec3::ONE, exponent).unwrap();
         let scene = Scene::new(vec![Primitive::new(plate, surface)]).unwrap();
         let scene = scene.with_environment(DVec3::ONE).unwrap();
         for (cos, albedo) in [1.0_f64, 0.5, 0.1].into_iter().zip(albedos) {

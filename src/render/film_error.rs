@@ -92,8 +92,9 @@ pub struct PixelError<E = Infallible> {
     pub column: u32,
     /// The pixel's row, from the top.
     pub row: u32,
-    /// What happened. Its `sample` counts the samples of this pixel, its `unit`
-    /// begins with the position on the film.
+    /// What happened. Its `sample` is how many samples of this pixel came
+    /// before, those of a pilot included, those of replicates that were given up
+    /// not; its `unit` begins with the position on the film.
     pub error: SampleError<DVec3, E>,
 }
 

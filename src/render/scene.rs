@@ -221,9 +221,10 @@ impl Scene {
         self.shares[primitive]
     }
 
-    /// Whether every surface keeps something of what it receives.
-    pub(super) fn absorbs(&self) -> bool {
-        self.primitives.iter().all(|p| p.surface.absorbs())
+    /// The most that any of the surfaces reflects, in any colour.
+    pub(super) fn albedo(&self) -> f64 {
+        let albedos = self.primitives.iter().map(|p| p.surface.albedo());
+        albedos.fold(0.0, f64::max)
     }
 
     /// What the ray meets first.

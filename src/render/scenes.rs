@@ -124,7 +124,7 @@ pub fn veach() -> Result<(Scene, Camera), RenderError> {
         let (across, along) = (8.0 * DVec3::X, DVec3::X.cross(normal));
         let plate = Quad::new(middle - 0.5 * (across + along), along, across)?;
         let (diffuse, glossy) = (DVec3::splat(0.05), DVec3::splat(0.6));
-        let surface = Surface::new(diffuse, glossy, exponent, DVec3::ZERO)?;
+        let surface = Surface::phong(diffuse, glossy, exponent)?;
         primitives.push(Primitive::new(plate, surface));
     }
 
