@@ -42,9 +42,9 @@ impl SurfacePoint {
 /// The bound for a shape none of whose points has a coordinate beyond `reach`.
 ///
 /// A point is made by some three roundings of numbers up to `reach`, moved off
-/// by one more, and seen again through a difference and a scalar product; the
-/// rounding of the normal tilts the shape by another two. In all less than
-/// 20 · 2⁻⁵³ `reach` along the normal.
+/// by one more, and seen again through a difference and a scalar product, from a
+/// corner that is rounded once more; the rounding of the normal tilts the shape
+/// by another two. In all less than 22 · 2⁻⁵³ `reach` along the normal.
 #[inline]
 pub(in crate::render) fn error_bound(reach: f64) -> f64 {
     16.0 * f64::EPSILON * reach
