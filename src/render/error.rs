@@ -124,7 +124,7 @@ mod tests {
                 SceneError::Environment(glam::DVec3::NEG_ONE).into(),
                 &SceneError::Environment(glam::DVec3::NEG_ONE),
             ),
-            (camera.clone().into(), &camera),
+            (camera.into(), &camera),
             (
                 TechniqueError::NoVertices.into(),
                 &TechniqueError::NoVertices,
