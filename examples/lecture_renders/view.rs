@@ -4,7 +4,6 @@ use std::time::Instant;
 
 use estimand::prelude::*;
 use estimand::render::{Camera, Film, Image, Layout, Pixel, Radiance, Scene, Technique, scenes};
-use glam::DVec3;
 
 use crate::Outcome;
 use crate::presets::Preset;
