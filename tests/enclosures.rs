@@ -183,7 +183,7 @@ fn a_sphere_with_a_flat_lamp() {
                     (dvec3(0.1, 0.9, 0.2), 1.0 + lamp * wall),
                 ] {
                     let from = dvec3(0.2, -0.3, 0.1);
-                    let e = grey(&looking(&scene, technique, from, to), seed, 20_000);
+                    let e = grey(&looking(&scene, technique, from, to), seed, 12_000);
                     let what = format!("ρ = {rho}, {lamp}, {technique:?}, seed {seed}: {e}");
                     let sure = e.standard_error == 0.0 && e.mean == exact;
                     assert_plausible(if sure { 1.0 } else { against(&e, exact) }, &what);
