@@ -15,7 +15,6 @@ use std::time::Instant;
 use estimand::prelude::*;
 use estimand::render::{Film, Image, Radiance, RandomizedFilm, Roulette, Seen, Technique, scenes};
 use estimand::sampler::DigitalShift;
-use glam::DVec3;
 use reference::SIZE;
 
 type Error = Box<dyn std::error::Error>;
@@ -35,18 +34,7 @@ impl Reference {
         let image = reference::read(&format!("{name}.full"))?;
         let mut film = Film::new(view, Independent::new(1), SIZE)?;
         let budget = Stop::samples(64 * image.pixels.len() as u64);
-        let seen = run(&mut film, &Serial, &budget)?.answer.pixels;
-        let lit = |column: i64, row: i64| {
-            (0..48).contains(&column)
-                && (0..48).contains(&row)
-                && seen[(row * 48 + column) as usize].mean != DVec3::ZERO
-        };
-        let dark = (0..48 * 48)
-            .map(|i| {
-                let near = |j: i64| (i % 48 + j % 3 - 1, i / 48 + j / 3 - 1);
-                !(0..9).map(near).any(|(column, row)| lit(column, row))
-            })
-            .collect();
+        let dark = reference::away_from_light(&run(&mut film, &Serial, &budget)?.answer);
         Ok(Self { image, dark })
     }
 

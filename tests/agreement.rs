@@ -79,7 +79,7 @@ fn gallery() -> (Scene, Camera) {
         ),
         Primitive::new(
             wall,
-            Surface::new(dvec3(0.4, 0.3, 0.2), dvec3(0.3, 0.4, 0.5), 20.0, grey(0.0)).unwrap(),
+            Surface::phong(dvec3(0.4, 0.3, 0.2), dvec3(0.3, 0.4, 0.5), 20.0).unwrap(),
         ),
         Primitive::new(
             ball(dvec3(0.5, 0.7, 0.0), 0.6),

@@ -103,6 +103,100 @@ fn concentric_spheres() {
     }
 }
 
+/// Two planes 1 apart, so wide that one path in some 10¹² gets out at the side:
+///
+/// ```text
+/// L₁ = 1 + ρ₁ L₂      L₂ = ρ₂ L₁
+/// ```
+#[test]
+fn parallel_planes() {
+    let plane = |y: f64, u: DVec3, v: DVec3| {
+        let corner = y * DVec3::Y - 0.5 * (u + v);
+        Quad::new(corner, u, v).unwrap()
+    };
+    let (x, z) = (1e6 * DVec3::X, 1e6 * DVec3::Z);
+    let planes = |[rho_1, rho_2]: [f64; 2]| {
+        let lower = emitting(plane(0.0, z, x), lambertian(rho_1), 1.0);
+        let upper = Primitive::new(plane(1.0, x, z), lambertian(rho_2));
+        Scene::new(vec![lower, upper]).unwrap()
+    };
+    let (rhos, swapped) = ([0.7, 0.4_f64], [0.4, 0.7]);
+    let exact = [1.388_888_888_89, 0.555_555_555_556];
+    assert!((1.0 / (1.0 - rhos[0] * rhos[1]) - exact[0]).abs() < 1e-11);
+    let from = dvec3(0.0, 0.3, 0.0);
+    for technique in techniques() {
+        // Points of the lower plane's area are hardly ever near.
+        if matches!(technique.direct, Direct::Light(_)) {
+            continue;
+        }
+        for seed in SEEDS {
+            for (to, exact) in [dvec3(0.5, -1.0, 0.2), dvec3(0.1, 1.0, 0.4)]
+                .into_iter()
+                .zip(exact)
+            {
+                let found = |rhos| grey(&looking(&planes(rhos), technique, from, to), seed, 6_000);
+                let e = found(rhos);
+                let what = format!("{technique:?} to {to}, seed {seed}: {e}");
+                assert_plausible(against(&e, exact), &what);
+                // Their reflectances swapped, only the upper plane differs.
+                if to.y > 0.0 {
+                    assert_rejected(against(&found(swapped), exact), &what);
+                }
+            }
+        }
+    }
+}
+
+/// A sphere that reflects ρ and is cut off by a flat lamp, which from anywhere
+/// within takes the place of the cap behind it: of every point's cosine-weighted
+/// directions the cap's part f of the area. The lamp emits 1 and reflects ρ′.
+///
+/// ```text
+/// L = ρ (f L′ + (1 − f) L)      L′ = 1 + ρ′ L
+/// ```
+#[test]
+fn a_sphere_with_a_flat_lamp() {
+    let f = 0.05;
+    let of_wall = |rho: f64, lamp: f64| rho * f / (1.0 - rho * (1.0 - f) - rho * f * lamp);
+    assert!((of_wall(0.9, 0.0) - 0.310_344_827_586).abs() < 1e-12);
+    let height = 1.0 - 2.0 * f;
+    let chord = Quad::new(dvec3(-1.0, height, -1.0), 2.0 * DVec3::X, 2.0 * DVec3::Z).unwrap();
+    let shell = Sphere::new(DVec3::ZERO, 1.0).unwrap().inward();
+    for (rho, lamp) in [(0.9, 0.0), (0.9, 0.9), (0.5, 0.0), (0.5, 0.5)] {
+        let scene = Scene::new(vec![
+            Primitive::new(shell, lambertian(rho)),
+            emitting(chord, lambertian(lamp), 1.0),
+        ]);
+        let scene = scene.unwrap();
+        let wall = of_wall(rho, lamp);
+        for technique in techniques() {
+            // As in a box: 1/r² at the rim, and 4ρ²/3 < 0.8.
+            if matches!(technique.direct, Direct::Light(_))
+                || rho == 0.9 && technique.directions == Directions::Uniform
+            {
+                continue;
+            }
+            for seed in SEEDS {
+                for (to, exact) in [
+                    (dvec3(0.3, -1.0, 0.2), wall),
+                    (dvec3(1.0, 0.5, 0.0), wall),
+                    (dvec3(0.1, 0.9, 0.2), 1.0 + lamp * wall),
+                ] {
+                    let from = dvec3(0.2, -0.3, 0.1);
+                    let e = grey(&looking(&scene, technique, from, to), seed, 12_000);
+                    let what = format!("ρ = {rho}, {lamp}, {technique:?}, seed {seed}: {e}");
+                    let sure = e.standard_error == 0.0 && e.mean == exact;
+                    assert_plausible(if sure { 1.0 } else { against(&e, exact) }, &what);
+                    // A lamp that reflects for a black one, and the other way.
+                    if rho == 0.9 && exact == wall {
+                        assert_rejected(against(&e, of_wall(rho, rho - lamp)), &what);
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// A box 2 × 2 × 2 that reflects ρ, part of whose ceiling emits; one wall is
 /// two triangles.
 fn cube(rho: f64) -> Scene {
@@ -214,7 +308,7 @@ fn a_glossy_plate_in_front_of_a_white_sky() {
         (10.0, [1.0, 0.504_735_946_655, 0.179_158_448_341]),
         (50.0, [1.0, 0.500_002_112_234, 0.119_635_448_108]),
     ] {
-        let surface = Surface::new(DVec3::ZERO, DVec3::ONE, exponent, DVec3::ZERO).unwrap();
+        let surface = Surface::phong(DVec3::ZERO, DVec3::ONE, exponent).unwrap();
         let scene = Scene::new(vec![Primitive::new(plate, surface)]).unwrap();
         let scene = scene.with_environment(DVec3::ONE).unwrap();
         for (cos, albedo) in [1.0_f64, 0.5, 0.1].into_iter().zip(albedos) {

@@ -271,6 +271,27 @@ fn a_failure_names_its_pixel_and_its_sample() {
     );
 }
 
+/// Samples are counted from the first of the pilot, whether that is over or not.
+#[test]
+fn a_pilot_counts_in_the_number_of_a_failure() {
+    // In the pilot of 8 a pixel, in the pass of 16 after it, in the next one.
+    for (at, pixel, sample) in [
+        (3 * 8 + 6, 3, 5),
+        (80 + 4 * 16 + 3, 4, 8 + 2),
+        (80 + 160 + 2 * 16 + 5, 2, 8 + 16 + 4),
+    ] {
+        let calls = Cell::new(0);
+        let flat = FromFn(|u: &mut dyn Coordinates| {
+            u.next_2d();
+            calls.set(calls.get() + 1);
+            DVec3::splat(if calls.get() == at { f64::NAN } else { 1.0 })
+        });
+        let mut film = Film::adaptive(flat, Independent::new(1), [10, 1], 8).unwrap();
+        let (error, _) = error_of(&mut film, 1_000);
+        assert_eq!((error.column, error.error.sample), (pixel, sample));
+    }
+}
+
 /// The coordinates in the error make the same trouble again.
 #[test]
 fn a_failure_can_be_looked_at_again() {

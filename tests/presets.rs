@@ -341,6 +341,33 @@ fn what_has_no_end_or_no_start_is_refused() {
         let error = refused(&white, technique);
         assert_eq!(error, TechniqueError::Endless(technique));
     }
+    // What ends paths so rarely that none ever would.
+    let all = |samples| Lights {
+        choice: Choice::All { samples },
+        ..BY_AREA
+    };
+    for technique in [
+        Technique::shade_roulette(Roulette::go_on(1.0 - 1e-16)),
+        Technique::shade_path(u32::MAX),
+        Technique::shade_branching(16, 8),
+        direct(Direct::Light(all(u32::MAX)), fine),
+        Technique {
+            max_vertices: Some(u32::MAX),
+            ..threshold(Layout::Independent(2), Roulette::Never)
+        },
+    ] {
+        let error = refused(&white, technique);
+        assert_eq!(error, TechniqueError::Endless(technique));
+        assert!(error.to_string().contains("10⁷ rays"));
+    }
+    for technique in [
+        Technique::shade_roulette(Roulette::go_on(1.0 - 1e-6)),
+        Technique::shade_path(1_000_000),
+        Technique::shade_branching(16, 6),
+        direct(Direct::Light(all(1_000)), fine),
+    ] {
+        assert!(Radiance::new(&white, technique).is_ok());
+    }
     for threshold in [-1.0, f64::INFINITY] {
         let technique = Technique { threshold, ..fine };
         let error = refused(&scene, technique);

@@ -9,7 +9,7 @@ mod support;
 use estimand::pdf::{Pdf, UniformSphere};
 use estimand::prelude::*;
 use estimand::render::{
-    Primitive, Quad, Ray, Scene, Shape, Sphere, Surface, SurfacePoint, Triangle,
+    Frame, Primitive, Quad, Ray, Scene, Shape, Sphere, Surface, SurfacePoint, Triangle,
 };
 use estimand::sampler::Block;
 use glam::DVec3;
@@ -260,4 +260,103 @@ fn no_ray_leaves_a_closed_sphere() {
         let lost = strays(seed, rounded);
         assert!(lost > 100_000, "{lost} rays without an offset");
     }
+}
+
+/// A box about `at`, turned, two of its walls cut into triangles, and its corners.
+/// Each shape is smaller by the part `gap`.
+fn turned_box(at: DVec3, size: f64, axis: DVec3, gap: f64) -> (Scene, [DVec3; 8]) {
+    let frame = Frame::new(axis);
+    let corners: [DVec3; 8] = std::array::from_fn(|k| {
+        let side = |bit: usize| if k >> bit & 1 == 0 { -size } else { size };
+        at + frame.world([side(0), 0.7 * side(1), 1.3 * side(2)])
+    });
+    let black = |shape: Shape| Primitive::new(shape, Surface::black());
+    // Three corners in a row.
+    let quad = |[a, b, c]: [usize; 3]| {
+        let middle = 0.5 * (corners[a] + corners[c]);
+        let [a, b, c] = [a, b, c].map(|k| corners[k].lerp(middle, gap));
+        black(Quad::new(b, a - b, c - b).unwrap().into())
+    };
+    let triangle = |[a, b, c]: [usize; 3]| {
+        let middle = (corners[a] + corners[b] + corners[c]) / 3.0;
+        let [a, b, c] = [a, b, c].map(|k| corners[k].lerp(middle, gap));
+        black(Triangle::new(a, b, c).unwrap().into())
+    };
+    let scene = Scene::new(vec![
+        quad([0, 1, 3]),
+        quad([4, 5, 7]),
+        quad([0, 1, 5]),
+        quad([2, 3, 7]),
+        triangle([0, 2, 4]),
+        triangle([6, 4, 2]),
+        triangle([1, 3, 5]),
+        triangle([3, 7, 5]),
+    ]);
+    (scene.unwrap(), corners)
+}
+
+/// Of rays from within that aim at edges and diagonals of a box, how many get
+/// out.
+fn leaks(at: DVec3, size: f64, axis: DVec3, gap: f64, rays: u32) -> usize {
+    let (scene, corners) = turned_box(at, size, axis, gap);
+    let edges = [
+        [0, 1],
+        [2, 3],
+        [4, 5],
+        [6, 7],
+        [0, 2],
+        [1, 3],
+        [4, 6],
+        [5, 7],
+        [0, 4],
+        [1, 5],
+        [2, 6],
+        [3, 7],
+        [2, 4],
+        [3, 5],
+    ];
+    let mut u = Independent::new(1).stream(Block {
+        index: 0,
+        start: 0,
+        len: 1,
+    });
+    u.next_point();
+    let out = |k: u32| {
+        let [a, b] = edges[k as usize % edges.len()].map(|k| corners[k]);
+        let aim = a + u.next_1d() * (b - a);
+        // Inside, as a mean of the corners.
+        let weights = [(); 8].map(|()| -(1.0 - u.next_1d()).ln());
+        let total: f64 = weights.iter().sum();
+        let from: DVec3 = corners
+            .iter()
+            .zip(weights)
+            .map(|(c, w)| *c * (w / total))
+            .sum();
+        let direction = (aim - from).normalize();
+        scene
+            .intersect(&Ray {
+                origin: from,
+                direction,
+            })
+            .is_none()
+    };
+    (0..rays).map(out).filter(|out| *out).count()
+}
+
+/// A million rays to edges that are common to two shapes. The negative control,
+/// shapes that are smaller by 10⁻¹³: nearly all slip through.
+#[test]
+fn no_ray_slips_through_an_edge() {
+    let turned = DVec3::new(2.0, -3.0, 6.0) / 7.0;
+    for (at, size, axis) in [
+        (DVec3::ZERO, 1.0, DVec3::Z),
+        (DVec3::ZERO, 1.0, turned),
+        (DVec3::new(0.3, -0.1, 0.7), 1e-3, turned),
+        (DVec3::new(30.0, 10.0, -20.0), 1e3, turned),
+        (DVec3::new(1e4, -1e4, 5e3), 1.0, turned),
+    ] {
+        assert_eq!(leaks(at, size, axis, 0.0, 200_000), 0, "{at} {size}");
+    }
+    let open = leaks(DVec3::ZERO, 1.0, turned, 1e-13, 10_000);
+    assert!(open > 9_000, "{open}");
 }

@@ -38,7 +38,7 @@ fn grey(k: f64) -> DVec3 {
 }
 
 fn phong(exponent: f64) -> Surface {
-    Surface::new(DVec3::ZERO, grey(1.0), exponent, DVec3::ZERO).unwrap()
+    Surface::phong(DVec3::ZERO, grey(1.0), exponent).unwrap()
 }
 
 /// Diffuse 0.3, glossy 0.45, mirror 0.25.

@@ -4,7 +4,6 @@ use std::time::Instant;
 
 use estimand::prelude::*;
 use estimand::render::{Camera, Film, Image, Layout, Pixel, Radiance, Scene, Technique, scenes};
-use glam::DVec3;
 
 use crate::Outcome;
 use crate::presets::Preset;
@@ -18,8 +17,8 @@ pub struct View {
     scene: Scene,
     camera: Camera,
     pub reference: Image,
-    /// The pixels that do not see the light, nor do their neighbours.
-    away: Vec<usize>,
+    /// Which pixels do not see the light, nor do their neighbours.
+    away: Vec<bool>,
 }
 
 /// What a technique made of its time.
@@ -54,21 +53,7 @@ impl View {
             away: Vec::new(),
         };
         let light = view.image(cut(1), 64, [0, 0])?;
-        let sees_light = |column, row| {
-            let pixel = light.pixel(column, row);
-            pixel.is_some_and(|p| p.mean != DVec3::ZERO)
-        };
-        let [width, height] = SIZE;
-        for row in 0..height {
-            for column in 0..width {
-                let rows = row.saturating_sub(1)..=row + 1;
-                let near =
-                    rows.flat_map(|j| (column.saturating_sub(1)..=column + 1).map(move |i| (i, j)));
-                if !near.into_iter().any(|(i, j)| sees_light(i, j)) {
-                    view.away.push((row * width + column) as usize);
-                }
-            }
-        }
+        view.away = reference::away_from_light(&light);
         Ok(view)
     }
 
@@ -128,7 +113,8 @@ impl View {
 
     /// An image of the pixels away from the light, side by side.
     fn away(&self, image: &Image) -> Image {
-        let pixels: Vec<_> = self.away.iter().map(|&p| image.pixels[p]).collect();
+        let all = image.pixels.iter().zip(&self.away);
+        let pixels: Vec<_> = all.filter(|(_, away)| **away).map(|(p, _)| *p).collect();
         Image {
             width: pixels.len() as u32,
             height: 1,

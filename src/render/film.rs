@@ -178,6 +178,11 @@ impl<E, S> Film<E, S> {
         }
     }
 
+    /// Samples of each pixel that were forgotten.
+    fn pilots_share(&self) -> u64 {
+        self.discarded / self.tiles.count()
+    }
+
     fn window(&self, pixel: usize) -> Window<&S> {
         Window::new(&self.sampler, self.pixel_size, self.tiles.position(pixel))
     }
@@ -222,7 +227,7 @@ impl<E: TryEstimator<Value = DVec3>, S: Iid> Integrator for Film<E, S> {
             .map_err(|failure| PixelFailure {
                 pixel,
                 draw: block.start,
-                sample: self.tiles.drawn_of(pixel) + failure.offset,
+                sample: self.pilots_share() + self.tiles.drawn_of(pixel) + failure.offset,
                 failure,
             })
         })

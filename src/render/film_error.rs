@@ -86,14 +86,34 @@ impl fmt::Display for FilmError {
 impl core::error::Error for FilmError {}
 
 /// A sample that ended a run, and the pixel it belongs to.
+///
+/// # Example
+///
+/// ```
+/// use estimand::prelude::*;
+/// use estimand::render::Film;
+/// use glam::DVec3;
+///
+/// let hole = FromFn(|u: &mut dyn Coordinates| {
+///     let [x, _] = u.next_2d();
+///     DVec3::splat(if x > 0.75 { f64::NAN } else { x })
+/// });
+/// let mut film = Film::new(hole, Independent::new(7), [4, 1])?;
+/// let Err(RunError::Sample { error, .. }) = run(&mut film, &Serial, &Stop::samples(64)) else {
+///     panic!("the last of four pixels is not a number");
+/// };
+/// assert_eq!((error.column, error.row, error.error.sample), (3, 0, 0));
+/// # Ok::<(), estimand::render::FilmError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct PixelError<E = Infallible> {
     /// The pixel's column, from the left.
     pub column: u32,
     /// The pixel's row, from the top.
     pub row: u32,
-    /// What happened. Its `sample` counts the samples of this pixel, its `unit`
-    /// begins with the position on the film.
+    /// What happened. Its `sample` is how many samples of this pixel came
+    /// before, those of a pilot included, those of replicates that were given up
+    /// not; its `unit` begins with the position on the film.
     pub error: SampleError<DVec3, E>,
 }
 

@@ -6,6 +6,24 @@ use super::{Scene, Shape, SurfacePoint};
 use crate::pdf::{Pdf, Sample};
 
 /// How the points of a light are drawn.
+///
+/// # Example
+///
+/// ```
+/// use estimand::render::{LightPoints, Primitive, Scene, Sphere};
+/// use glam::DVec3;
+///
+/// let lamp = Primitive::light(Sphere::new(2.0 * DVec3::Y, 1.0)?, DVec3::ONE);
+/// let scene = Scene::new(vec![lamp])?;
+/// let density = |points, u| scene.sample_light(0, points, DVec3::ZERO, u).density;
+/// // Seen under 2π (1 − cos 30°), all of whose directions are alike.
+/// let solid_angle = core::f64::consts::TAU * (1.0 - 0.75_f64.sqrt());
+/// for u in [[0.1, 0.2], [0.9, 0.7]] {
+///     assert!((density(LightPoints::SolidAngle, u) * solid_angle - 1.0).abs() < 1e-12);
+/// }
+/// assert_ne!(density(LightPoints::Area, [0.1, 0.2]), density(LightPoints::Area, [0.9, 0.7]));
+/// # Ok::<(), estimand::render::RenderError>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LightPoints {
     /// Uniformly over its area, p = 1/A, as in the lectures.

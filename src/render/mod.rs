@@ -6,6 +6,7 @@
 //! [`Integrator`](crate::integrator::Integrator) whose blocks are tiles.
 
 mod camera;
+mod direct;
 mod error;
 mod film;
 mod film_error;
@@ -17,6 +18,7 @@ mod png;
 mod radiance;
 mod randomized_film;
 mod ray;
+mod scatter;
 mod scene;
 pub mod scenes;
 mod shape;
@@ -27,6 +29,7 @@ mod tiles;
 mod window;
 
 pub use camera::{Camera, CameraError};
+pub use direct::{Choice, Direct, Lights};
 pub use error::RenderError;
 pub use film::Film;
 pub use film_error::{FilmError, PixelError};
@@ -36,10 +39,11 @@ pub use light::{LightPoints, LightSample, solid_angle_density};
 pub use radiance::{Along, Radiance, Seen};
 pub use randomized_film::RandomizedFilm;
 pub use ray::Ray;
+pub use scatter::{Directions, Scatter};
 pub use scene::{Hit, Primitive, Scene, SceneError};
 pub use shape::{Quad, Shape, ShapeError, Sphere, SphereCone, SurfacePoint, Triangle};
-pub use surface::{Directions, Scatter, Surface, SurfaceError};
-pub use technique::{Choice, Direct, Layout, Lights, Roulette, Technique, TechniqueError};
+pub use surface::{Surface, SurfaceError};
+pub use technique::{Layout, Roulette, Technique, TechniqueError};
 pub use tiles::FilmPartial;
 pub use window::{Window, WindowStream};
 

@@ -9,6 +9,26 @@ use super::{Ray, Shape, Surface, SurfacePoint};
 use crate::pdf::{Discrete, Pdf};
 
 /// A shape with a surface, which may emit light.
+///
+/// # Example
+///
+/// ```
+/// use estimand::pdf::Pdf;
+/// use estimand::render::{Primitive, Scene, Sphere, Surface};
+/// use glam::DVec3;
+///
+/// // A lamp that reflects as well.
+/// let white = Surface::lambertian(DVec3::splat(0.8))?;
+/// let lamp = Primitive {
+///     emission: DVec3::splat(5.0),
+///     ..Primitive::new(Sphere::new(DVec3::ZERO, 0.1)?, white)
+/// };
+/// let scene = Scene::new(vec![lamp])?;
+/// let x = lamp.shape.sample([0.3, 0.6]).point;
+/// assert_eq!(scene.emitted(0, &x, x.normal), lamp.emission);
+/// assert_eq!(scene.emitted(0, &x, -x.normal), DVec3::ZERO);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Primitive {
     /// Where it is.
@@ -113,6 +133,20 @@ impl fmt::Display for SceneError {
 impl core::error::Error for SceneError {}
 
 /// Where a ray meets a primitive first.
+///
+/// # Example
+///
+/// ```
+/// use estimand::render::scenes;
+/// use glam::DVec3;
+///
+/// let (scene, camera) = scenes::cornell2()?;
+/// let hit = scene.intersect(&camera.ray(0.5, 0.5)).ok_or("nothing there")?;
+/// // The back wall, from 3.9 before the middle of the box.
+/// assert_eq!((hit.primitive, hit.point.normal), (2, DVec3::Z));
+/// assert!((hit.distance - 4.9).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// How far along the ray.
@@ -221,9 +255,10 @@ impl Scene {
         self.shares[primitive]
     }
 
-    /// Whether every surface keeps something of what it receives.
-    pub(super) fn absorbs(&self) -> bool {
-        self.primitives.iter().all(|p| p.surface.absorbs())
+    /// The most that any of the surfaces reflects, in any colour.
+    pub(super) fn albedo(&self) -> f64 {
+        let albedos = self.primitives.iter().map(|p| p.surface.albedo());
+        albedos.fold(0.0, f64::max)
     }
 
     /// What the ray meets first.

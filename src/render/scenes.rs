@@ -60,6 +60,25 @@ pub fn cornell2() -> Result<(Scene, Camera), RenderError> {
 /// # Errors
 ///
 /// None.
+///
+/// # Example
+///
+/// ```
+/// use estimand::pdf::Pdf;
+/// use estimand::render::{Ray, scenes};
+/// use glam::DVec3;
+///
+/// let (scene, _) = scenes::small_light()?;
+/// let [floor, lamp] = [0, 1].map(|k| scene.primitives()[k].shape);
+/// let middle = lamp.sample([0.5, 0.5]).point;
+/// // Two points of the floor, in the shadow of the ball and beside it.
+/// let lit = [DVec3::new(-0.42, 1.0, 0.05), DVec3::new(2.0, 1.0, 0.0)].map(|origin| {
+///     let x = floor.point_at(&Ray { origin, direction: -DVec3::Y }, 1.0);
+///     scene.visible(&x, &middle)
+/// });
+/// assert_eq!(lit, [false, true]);
+/// # Ok::<(), estimand::render::RenderError>(())
+/// ```
 pub fn small_light() -> Result<(Scene, Camera), RenderError> {
     let floor = Surface::lambertian(dvec3(0.6, 0.5, 0.4))?;
     let ball = Surface::lambertian(dvec3(0.3, 0.5, 0.8))?;
@@ -84,6 +103,22 @@ pub fn small_light() -> Result<(Scene, Camera), RenderError> {
 /// # Errors
 ///
 /// `albedo` lies in [0, 1].
+///
+/// # Example
+///
+/// ```
+/// use estimand::prelude::*;
+/// use estimand::render::{Radiance, Ray, Technique, scenes};
+/// use glam::DVec3;
+///
+/// let scene = scenes::furnace(0.8)?;
+/// let ray = Ray { origin: DVec3::ZERO, direction: DVec3::X };
+/// let along = Radiance::new(&scene, Technique::path_tracing())?.along(ray);
+/// let mut integrator = MonteCarlo::new(along, Independent::new(7));
+/// let l = run(&mut integrator, &Serial, &Stop::samples(10_000))?.answer;
+/// assert!((l.mean.x - 5.0).abs() < 5.0 * l.standard_error.x);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn furnace(albedo: f64) -> Result<Scene, RenderError> {
     Ok(Scene::new(vec![Primitive {
         shape: Sphere::new(DVec3::ZERO, 1.0)?.inward().into(),
@@ -93,7 +128,7 @@ pub fn furnace(albedo: f64) -> Result<Scene, RenderError> {
 }
 
 /// Four glossy plates, from nearly polished to dull, that show four spherical
-/// lights, from tiny to large and all of the same power.
+/// lights, from tiny to large and all of much the same power.
 ///
 /// The small lights in the dull plates are found by sampling the lights, the
 /// large ones in the polished plates by sampling the surface; only both
@@ -105,6 +140,21 @@ pub fn furnace(albedo: f64) -> Result<Scene, RenderError> {
 /// # Errors
 ///
 /// None.
+///
+/// # Example
+///
+/// ```
+/// use estimand::pdf::Pdf;
+/// use estimand::render::scenes;
+///
+/// let (scene, _) = scenes::veach()?;
+/// let power = scene.by_power().ok_or("dark")?;
+/// for light in 0..4 {
+///     // But for their colours.
+///     assert!((power.density(&light) - 0.25).abs() < 0.05);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn veach() -> Result<(Scene, Camera), RenderError> {
     let eye = dvec3(0.0, 2.0, 15.0);
     let grey = Surface::lambertian(DVec3::splat(0.4))?;
@@ -124,7 +174,7 @@ pub fn veach() -> Result<(Scene, Camera), RenderError> {
         let (across, along) = (8.0 * DVec3::X, DVec3::X.cross(normal));
         let plate = Quad::new(middle - 0.5 * (across + along), along, across)?;
         let (diffuse, glossy) = (DVec3::splat(0.05), DVec3::splat(0.6));
-        let surface = Surface::new(diffuse, glossy, exponent, DVec3::ZERO)?;
+        let surface = Surface::phong(diffuse, glossy, exponent)?;
         primitives.push(Primitive::new(plate, surface));
     }
 

@@ -5,7 +5,7 @@ use core::fmt;
 
 use glam::DVec3;
 
-use super::Frame;
+use super::{Directions, Frame, Scatter};
 use crate::pdf::{CosineHemisphere, CosinePowerHemisphere, Pdf, Sample, UniformHemisphere};
 use crate::sampler::Coordinates;
 
@@ -75,30 +75,6 @@ impl fmt::Display for SurfaceError {
 
 impl core::error::Error for SurfaceError {}
 
-/// Where a surface sends a path.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scatter {
-    /// The direction, ωᵢ.
-    pub direction: DVec3,
-    /// f cos θᵢ/p, what the radiance from there is worth here.
-    pub weight: DVec3,
-    /// p(ωᵢ) per steradian; `None` of a mirror, which has but one direction.
-    pub density: Option<f64>,
-}
-
-/// The pdf that a path goes on with, among those of the lectures.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Directions {
-    /// 1/2π
-    Uniform,
-    /// cos θ/π
-    Cosine,
-    /// That of the surface: cos θ/π for what is diffuse, (n + 1)/2π cosⁿ α for
-    /// the lobe, in proportion to their reflectances.
-    #[default]
-    Surface,
-}
-
 impl Surface {
     /// A surface that reflects nothing.
     #[must_use]
@@ -121,6 +97,30 @@ impl Surface {
         Self::new(albedo, DVec3::ZERO, 1.0, DVec3::ZERO)
     }
 
+    /// A diffuse part and a glossy lobe: Phong's model, modified so that it
+    /// reflects alike in both directions and makes no energy.
+    ///
+    /// # Errors
+    ///
+    /// `diffuse`, `glossy` and their sum lie in [0, 1] for each colour, and
+    /// 0 ≤ `exponent` ≤ 10¹².
+    ///
+    /// # Example
+    ///
+    /// ```
+    /// use estimand::render::Surface;
+    /// use glam::DVec3;
+    ///
+    /// // Straight back, the lobe has (n + 2)/2π.
+    /// let varnish = Surface::phong(DVec3::ZERO, DVec3::splat(0.5), 98.0)?;
+    /// let f = varnish.evaluate(DVec3::Y, DVec3::Y, DVec3::Y);
+    /// assert!((f.x * core::f64::consts::TAU - 50.0).abs() < 1e-13);
+    /// # Ok::<(), estimand::render::SurfaceError>(())
+    /// ```
+    pub fn phong(diffuse: DVec3, glossy: DVec3, exponent: f64) -> Result<Self, SurfaceError> {
+        Self::new(diffuse, glossy, exponent, DVec3::ZERO)
+    }
+
     /// A perfect mirror.
     ///
     /// # Errors
@@ -130,7 +130,9 @@ impl Surface {
         Self::new(DVec3::ZERO, DVec3::ZERO, 1.0, reflectance)
     }
 
-    /// The sum of a diffuse part, a lobe with this exponent and a mirror.
+    /// The sum of a diffuse part, a lobe with this exponent and a mirror: all
+    /// three at once, where [`lambertian`](Self::lambertian),
+    /// [`phong`](Self::phong) and [`mirror`](Self::mirror) are not enough.
     ///
     /// # Errors
     ///
@@ -180,9 +182,9 @@ impl Surface {
         self.total == DVec3::ZERO
     }
 
-    /// Whether it keeps something of what it receives, in each colour.
-    pub(super) fn absorbs(&self) -> bool {
-        self.total.max_element() < 1.0
+    /// The most that it reflects of what it receives, in any colour.
+    pub(super) fn albedo(&self) -> f64 {
+        self.total.max_element()
     }
 
     /// Whether it reflects in the direction of the mirror alone, where light
@@ -320,7 +322,7 @@ mod tests {
             let k = DVec3::new(0.2, x, 0.3);
             assert_eq!(Surface::lambertian(k), refused(k));
             assert_eq!(Surface::mirror(k), refused(k));
-            assert_eq!(Surface::new(none, k, 10.0, none), refused(k));
+            assert_eq!(Surface::phong(none, k, 10.0), refused(k));
         }
         assert!(matches!(
             Surface::lambertian(DVec3::new(0.2, 0.3, f64::NAN)),
@@ -328,7 +330,7 @@ mod tests {
         ));
         // Each is fine, their sum is not, in one colour.
         let red = DVec3::new(0.6, 0.1, 0.1);
-        assert_eq!(Surface::new(half, red, 1.0, none), refused(half + red));
+        assert_eq!(Surface::phong(half, red, 1.0), refused(half + red));
         assert_eq!(Surface::new(half, none, 1.0, red), refused(half + red));
         let text = SurfaceError::Reflectance(half + red).to_string();
         assert!(text.contains("1.1"), "{text}");
@@ -351,26 +353,28 @@ mod tests {
     #[test]
     fn refuses_what_is_no_exponent() {
         for n in [-0.1, 1e13, f64::INFINITY] {
-            let refused = Surface::new(DVec3::ZERO, DVec3::ONE, n, DVec3::ZERO);
+            let refused = Surface::phong(DVec3::ZERO, DVec3::ONE, n);
             assert_eq!(refused, Err(SurfaceError::Exponent(n)));
         }
-        let refused = Surface::new(DVec3::ZERO, DVec3::ONE, f64::NAN, DVec3::ZERO);
+        let refused = Surface::phong(DVec3::ZERO, DVec3::ONE, f64::NAN);
         assert!(matches!(refused, Err(SurfaceError::Exponent(_))));
-        assert!(Surface::new(DVec3::ZERO, DVec3::ONE, 1e12, DVec3::ZERO).is_ok());
+        assert!(Surface::phong(DVec3::ZERO, DVec3::ONE, 1e12).is_ok());
     }
 
     #[test]
     fn knows_what_it_is() {
         let half = DVec3::splat(0.5);
         let (black, mirror) = (Surface::black(), Surface::mirror(half).unwrap());
-        assert!(black.is_black() && black.absorbs() && !black.is_specular());
+        assert!(black.is_black() && !black.is_specular());
         assert!(mirror.is_specular() && !mirror.is_black());
         assert_eq!(Surface::lambertian(DVec3::ZERO), Ok(black));
         let both = Surface::new(half, DVec3::ZERO, 1.0, half).unwrap();
-        assert!(!both.is_specular() && !both.absorbs());
-        // What one colour keeps is not enough.
-        let red = Surface::lambertian(DVec3::new(1.0, 0.0, 0.0)).unwrap();
-        assert!(!red.absorbs());
+        assert!(!both.is_specular());
+        let red = Surface::lambertian(DVec3::new(0.9, 0.0, 0.1)).unwrap();
+        assert_eq!(
+            [black, mirror, both, red].map(|s| s.albedo()),
+            [0.0, 0.5, 1.0, 0.9]
+        );
     }
 
     /// Where there is nothing to choose no coordinate is read for it.
@@ -391,8 +395,8 @@ mod tests {
         for (surface, draws) in [
             (Surface::lambertian(d), 0),
             (Surface::mirror(m), 0),
-            (Surface::new(none, s, 9.0, none), 0),
-            (Surface::new(d, s, 9.0, none), 1),
+            (Surface::phong(none, s, 9.0), 0),
+            (Surface::phong(d, s, 9.0), 1),
             (Surface::new(d, none, 9.0, m), 1),
             (Surface::new(none, s, 9.0, m), 1),
         ] {

@@ -4,7 +4,7 @@ use core::fmt;
 
 use glam::DVec3;
 
-use super::{Directions, Heuristic, LightPoints, Scene};
+use super::{Choice, Direct, Directions, Heuristic, LightPoints, Lights, Scene};
 use crate::sampler::Coordinates;
 
 /// How radiance is estimated: one description, all switches.
@@ -46,50 +46,6 @@ pub struct Technique {
     /// Paths end where the largest weight that light from there could have, the
     /// path's throughput, is below this. **Biased**; 0 never ends any.
     pub threshold: f64,
-}
-
-/// Where light that arrives directly is looked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Direct {
-    /// By chance: rays that go on hit it.
-    Hit,
-    /// On the lights. Rays that hit one are not counted, save where
-    /// no light could have been sampled: seen directly or in a mirror.
-    Light(Lights),
-    /// Both ways, combined by weights that sum to 1.
-    Both(Lights, Heuristic),
-}
-
-/// Which lights are sampled at a vertex.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Lights {
-    /// All or one.
-    pub choice: Choice,
-    /// How their points are drawn.
-    pub points: LightPoints,
-}
-
-impl Lights {
-    /// n, how many samples of this light a vertex has on average.
-    #[inline]
-    pub(super) fn expected(self, scene: &Scene, primitive: usize) -> f64 {
-        match self.choice {
-            Choice::All { samples } => f64::from(samples),
-            Choice::One => scene.share_of_power(primitive),
-        }
-    }
-}
-
-/// All lights or one of them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Choice {
-    /// Each light, with so many shadow rays.
-    All {
-        /// Shadow rays a light: the lecture's `spl`.
-        samples: u32,
-    },
-    /// One light, chosen in proportion to its power, with one shadow ray.
-    One,
 }
 
 /// How the rays that go on from a vertex are spread over the unit square that
@@ -208,9 +164,10 @@ pub enum TechniqueError {
     Rays(Layout),
     /// Lights are to be sampled with no shadow ray.
     NoShadowRays,
-    /// Nothing ends the paths: neither a number of vertices, nor a threshold in
-    /// a scene whose surfaces all absorb, nor a roulette under which, on
-    /// average, less than one ray goes on.
+    /// Paths would never end, or practically never: where no ray leaves the
+    /// scene they may take more than 10⁷ rays on average. What bounds them is a
+    /// number of vertices, a roulette under which less than one ray goes on from
+    /// a vertex, or a threshold in a scene whose surfaces all absorb.
     Endless(Technique),
 }
 
@@ -229,7 +186,10 @@ impl fmt::Display for TechniqueError {
                 "{layout:?} does not send between 1 and 2³² − 1 rays from a vertex"
             ),
             Self::NoShadowRays => write!(f, "lights are to be sampled with 0 shadow rays"),
-            Self::Endless(technique) => write!(f, "nothing ends the paths of {technique:?}"),
+            Self::Endless(technique) => write!(
+                f,
+                "paths of {technique:?} may take more than 10⁷ rays on average"
+            ),
         }
     }
 }
@@ -364,19 +324,45 @@ impl Technique {
         {
             return Err(TechniqueError::NoShadowRays);
         }
-        let most = match self.roulette {
-            Roulette::Never => 1.0,
-            Roulette::Constant(go_on) => go_on,
-            Roulette::Throughput(_) => MOST,
-        };
-        let dies_out = f64::from(rays) * most < 1.0;
-        let fades = self.threshold > 0.0 && scene.absorbs();
-        if self.max_vertices.is_none() && !dies_out && !fades {
+        if self.rays_on_average(f64::from(rays), scene) > LONGEST {
             return Err(TechniqueError::Endless(*self));
         }
         Ok(rays)
     }
+
+    /// At most how many rays a path takes on average, where none leaves the
+    /// scene; or some number above `LONGEST`.
+    ///
+    /// From vertex to vertex, the mean number of them grows by how many rays go
+    /// on at most, and the mean of the sum of their throughputs falls by the
+    /// albedo at least. Those that a threshold t lets pass are fewer than that
+    /// sum over t.
+    fn rays_on_average(&self, rays: f64, scene: &Scene) -> f64 {
+        let shadow_rays = match self.direct {
+            Direct::Hit => 0.0,
+            Direct::Light(lights) | Direct::Both(lights, _) => match lights.choice {
+                Choice::All { samples } => f64::from(samples) * scene.lights().len() as f64,
+                Choice::One => 1.0,
+            },
+        };
+        let (mut sum, mut vertices) = (0.0, 1.0);
+        // Of three colours, any may be the one that passes.
+        let (mut passing, albedo) = (3.0 / self.threshold, scene.albedo());
+        for vertex in 1..=self.max_vertices.unwrap_or(u32::MAX) {
+            sum += vertices * (1.0 + shadow_rays);
+            if vertices < 1e-3 || sum > LONGEST {
+                break;
+            }
+            let goes_on = self.roulette.chance(DVec3::ONE, vertex);
+            vertices = rays * f64::min(vertices * goes_on, passing);
+            passing *= albedo;
+        }
+        sum
+    }
 }
+
+/// The most rays that a path may take on average: a second or so.
+const LONGEST: f64 = 1e7;
 
 /// The largest chance to go on of a roulette by throughput: in a room of
 /// mirrors, paths end nevertheless. A room that reflects ρ has a finite
@@ -414,6 +400,21 @@ mod tests {
             roulette(Roulette::Never),
             TechniqueError::Endless(_)
         ));
+        // As good as none.
+        for late in [
+            Roulette::go_on(1.0 - f64::EPSILON / 2.0),
+            Roulette::stop(1e-8),
+            Roulette::Throughput(10_000_000),
+        ] {
+            assert!(matches!(roulette(late), TechniqueError::Endless(_)));
+        }
+        for long in [Roulette::stop(1e-5), Roulette::Throughput(1_000_000)] {
+            let technique = Technique {
+                roulette: long,
+                ..fine
+            };
+            assert_eq!(technique.check(&scene), Ok(1));
+        }
         let threshold = |threshold| refused(Technique { threshold, ..fine });
         assert_eq!(threshold(-1.0), TechniqueError::Threshold(-1.0));
         assert!(matches!(threshold(f64::NAN), TechniqueError::Threshold(_)));

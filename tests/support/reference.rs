@@ -24,6 +24,26 @@ pub fn read(name: &str) -> Result<Image, Box<dyn Error>> {
     })
 }
 
+/// Which pixels see no light, nor have a neighbour that does, given an image of the
+/// lights alone. Where a light's edge crosses a pixel, samples are very bright or
+/// dark whatever the technique, and hide the rest.
+pub fn away_from_light(lights: &Image) -> Vec<bool> {
+    let sees_light = |column, row| {
+        let pixel = lights.pixel(column, row);
+        pixel.is_some_and(|p| p.mean != DVec3::ZERO)
+    };
+    // The one before 0 is outside as well.
+    let around = |i: u32| [i.wrapping_sub(1), i, i + 1];
+    let is_away = |column, row| {
+        let near = around(row).map(|j| around(column).map(|i| sees_light(i, j)));
+        !near.as_flattened().contains(&true)
+    };
+    (0..lights.height)
+        .flat_map(|row| (0..lights.width).map(move |column| (column, row)))
+        .map(|(column, row)| is_away(column, row))
+        .collect()
+}
+
 /// row, column, r, g, b, and their standard errors; rows from the top.
 fn pixel(line: &str) -> Result<Pixel, Box<dyn Error>> {
     let numbers: Vec<f64> = line.split(',').map(str::parse).collect::<Result<_, _>>()?;

@@ -7,12 +7,19 @@ use super::{ShapeError, SurfacePoint};
 use crate::render::Ray;
 
 /// The points corner + a u + b v of a plane.
+///
+/// Rays meet a little more of it: each edge is moved outwards by `error`, so
+/// that shapes with a common edge overlap, and rays that aim there at the last
+/// digit meet one of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Facet {
     pub(super) corner: DVec3,
     edge_u: DVec3,
     edge_v: DVec3,
-    /// The dual basis: a and b are its products with x − corner.
+    /// The corner of what rays meet.
+    pub(super) outer: DVec3,
+    /// The dual basis of that: a and b, in [0, 1] as far as rays meet the
+    /// shape, are its products with x − outer.
     pub(super) dual_u: DVec3,
     pub(super) dual_v: DVec3,
     /// unit(u × v)
@@ -41,7 +48,41 @@ fn cross(u: DVec3, v: DVec3) -> DVec3 {
 }
 
 impl Facet {
-    pub(super) fn new(corner: DVec3, edge_u: DVec3, edge_v: DVec3) -> Result<Self, ShapeError> {
+    /// The parallelogram with these edges.
+    pub(super) fn parallelogram(
+        corner: DVec3,
+        edge_u: DVec3,
+        edge_v: DVec3,
+    ) -> Result<Self, ShapeError> {
+        let facet = Self::new(corner, edge_u, edge_v)?;
+        let [u, v] = [facet.dual_u, facet.dual_v].map(|dual| facet.error * dual.length());
+        Ok(facet.widened([u, v], [u, v]))
+    }
+
+    /// The half of the parallelogram at its corner.
+    pub(super) fn triangle(
+        corner: DVec3,
+        edge_u: DVec3,
+        edge_v: DVec3,
+    ) -> Result<Self, ShapeError> {
+        let facet = Self::new(corner, edge_u, edge_v)?;
+        let third = facet.dual_u + facet.dual_v;
+        let [u, v, w] = [facet.dual_u, facet.dual_v, third].map(|d| facet.error * d.length());
+        Ok(facet.widened([u, v], [v + w, u + w]))
+    }
+
+    /// With the near edges moved out by these parts of u and v, the far corners
+    /// by those.
+    fn widened(self, [a, b]: [f64; 2], [far_a, far_b]: [f64; 2]) -> Self {
+        Self {
+            outer: self.corner - (self.edge_u * a + self.edge_v * b),
+            dual_u: self.dual_u / (1.0 + a + far_a),
+            dual_v: self.dual_v / (1.0 + b + far_b),
+            ..self
+        }
+    }
+
+    fn new(corner: DVec3, edge_u: DVec3, edge_v: DVec3) -> Result<Self, ShapeError> {
         for x in [corner, edge_u, edge_v] {
             if !x.is_finite() {
                 return Err(ShapeError::NotFinite(x));
@@ -61,6 +102,7 @@ impl Facet {
             corner,
             edge_u,
             edge_v,
+            outer: corner,
             dual_u: edge_v.cross(normal) / area,
             dual_v: normal.cross(edge_u) / area,
             normal,
@@ -78,7 +120,7 @@ impl Facet {
     /// (a, b) there.
     #[inline]
     pub(super) fn meet(&self, ray: &Ray, limit: f64) -> Option<(f64, f64, f64)> {
-        let to_corner = self.corner - ray.origin;
+        let to_corner = self.outer - ray.origin;
         let distance = self.normal.dot(to_corner) / self.normal.dot(ray.direction);
         if !(distance > 0.0 && distance < limit) {
             return None;
@@ -89,13 +131,12 @@ impl Facet {
         Some((distance, a, b))
     }
 
-    /// (a, b) of the foot of x on the plane, and by how much rounding may have
-    /// moved them; `None` if x is farther off the plane than rounding explains.
-    pub(super) fn foot(&self, x: DVec3) -> Option<(f64, f64, f64)> {
-        let d = x - self.corner;
-        let slack = self.error * (self.dual_u.length() + self.dual_v.length());
+    /// (a, b) of the foot of x on the plane; `None` if x is farther off the
+    /// plane than rounding explains.
+    pub(super) fn foot(&self, x: DVec3) -> Option<(f64, f64)> {
+        let d = x - self.outer;
         let on_plane = self.normal.dot(d).abs() <= self.error;
-        on_plane.then(|| (self.dual_u.dot(d), self.dual_v.dot(d), slack))
+        on_plane.then(|| (self.dual_u.dot(d), self.dual_v.dot(d)))
     }
 
     /// The point (a, b).

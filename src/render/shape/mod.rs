@@ -25,6 +25,22 @@ use super::Ray;
 use crate::pdf::{Pdf, Sample};
 
 /// A surface in space.
+///
+/// # Example
+///
+/// ```
+/// use estimand::pdf::Pdf;
+/// use estimand::render::{Ray, Shape, Sphere};
+/// use glam::DVec3;
+///
+/// let ball = Shape::from(Sphere::new(2.0 * DVec3::X, 1.0)?);
+/// let ray = Ray { origin: DVec3::ZERO, direction: DVec3::X };
+/// let distance = ball.intersect(&ray, f64::INFINITY).ok_or("passes by")?;
+/// let x = ball.point_at(&ray, distance);
+/// assert_eq!((x.position, x.normal), (DVec3::X, -DVec3::X));
+/// assert_eq!(ball.density(&x), 1.0 / ball.area());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// A sphere.

@@ -133,7 +133,7 @@ impl FacetPack {
     fn new(facets: &[(Facet, f64, f64)]) -> Self {
         let of = |part: fn(&Facet) -> DVec3| Vectors::new(facets.iter().map(|(f, ..)| part(f)));
         Self {
-            corner: of(|f| f.corner),
+            corner: of(|f| f.outer),
             normal: of(|f| f.normal),
             dual_u: of(|f| f.dual_u),
             dual_v: of(|f| f.dual_v),

@@ -41,7 +41,7 @@ impl Quad {
     /// All coordinates are finite, and the edges span an area that double
     /// precision can tell at this position.
     pub fn new(corner: DVec3, edge_u: DVec3, edge_v: DVec3) -> Result<Self, ShapeError> {
-        let facet = Facet::new(corner, edge_u, edge_v)?;
+        let facet = Facet::parallelogram(corner, edge_u, edge_v)?;
         Ok(Self {
             facet,
             density: 1.0 / facet.parallelogram_area(),
@@ -57,8 +57,7 @@ impl Quad {
     #[inline]
     pub(super) fn intersect(&self, ray: &Ray, limit: f64) -> Option<f64> {
         let (distance, a, b) = self.facet.meet(ray, limit)?;
-        let inside = (0.0..=1.0).contains(&a) & (0.0..=1.0).contains(&b);
-        inside.then_some(distance)
+        is_inside(a, b).then_some(distance)
     }
 
     #[inline]
@@ -80,12 +79,18 @@ impl Pdf for Quad {
     }
 
     fn density(&self, x: &SurfacePoint) -> f64 {
-        let inside = self.facet.foot(x.position).is_some_and(|(a, b, slack)| {
-            let side = -slack..=1.0 + slack;
-            side.contains(&a) && side.contains(&b)
-        });
-        if inside { self.density } else { 0.0 }
+        let foot = self.facet.foot(x.position);
+        if foot.is_some_and(|(a, b)| is_inside(a, b)) {
+            self.density
+        } else {
+            0.0
+        }
     }
+}
+
+#[inline]
+fn is_inside(a: f64, b: f64) -> bool {
+    (0.0..=1.0).contains(&a) & (0.0..=1.0).contains(&b)
 }
 
 #[cfg(test)]

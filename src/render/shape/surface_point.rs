@@ -5,6 +5,23 @@ use glam::DVec3;
 use crate::render::Ray;
 
 /// A point of a shape, as exact as rounding allows, and how exact that is.
+///
+/// # Example
+///
+/// ```
+/// use estimand::pdf::Pdf;
+/// use estimand::render::{Quad, Shape};
+/// use glam::DVec3;
+///
+/// let floor = Shape::from(Quad::new(DVec3::ZERO, DVec3::Z, DVec3::X)?);
+/// let x = floor.sample([0.3, 0.6]).point;
+/// assert!(x.error < 1e-14);
+/// // Whichever side a ray leaves to, it does not meet the floor again.
+/// for w in [DVec3::new(0.6, 0.8, 0.0), DVec3::new(0.6, -0.8, 0.0)] {
+///     assert_eq!(floor.intersect(&x.ray(w), f64::INFINITY), None);
+/// }
+/// # Ok::<(), estimand::render::ShapeError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
     /// Where it is.
@@ -42,9 +59,9 @@ impl SurfacePoint {
 /// The bound for a shape none of whose points has a coordinate beyond `reach`.
 ///
 /// A point is made by some three roundings of numbers up to `reach`, moved off
-/// by one more, and seen again through a difference and a scalar product; the
-/// rounding of the normal tilts the shape by another two. In all less than
-/// 20 · 2⁻⁵³ `reach` along the normal.
+/// by one more, and seen again through a difference and a scalar product, from a
+/// corner that is rounded once more; the rounding of the normal tilts the shape
+/// by another two. In all less than 22 · 2⁻⁵³ `reach` along the normal.
 #[inline]
 pub(in crate::render) fn error_bound(reach: f64) -> f64 {
     16.0 * f64::EPSILON * reach

@@ -46,7 +46,7 @@ impl Triangle {
     /// All coordinates are finite, and the corners span an area that double
     /// precision can tell at their position.
     pub fn new(a: DVec3, b: DVec3, c: DVec3) -> Result<Self, ShapeError> {
-        let facet = Facet::new(a, b - a, c - a)?;
+        let facet = Facet::triangle(a, b - a, c - a)?;
         Ok(Self {
             facet,
             density: 2.0 / facet.parallelogram_area(),
@@ -62,8 +62,7 @@ impl Triangle {
     #[inline]
     pub(super) fn intersect(&self, ray: &Ray, limit: f64) -> Option<f64> {
         let (distance, a, b) = self.facet.meet(ray, limit)?;
-        let inside = (a >= 0.0) & (b >= 0.0) & (a + b <= 1.0);
-        inside.then_some(distance)
+        is_inside(a, b).then_some(distance)
     }
 
     #[inline]
@@ -86,12 +85,18 @@ impl Pdf for Triangle {
     }
 
     fn density(&self, x: &SurfacePoint) -> f64 {
-        let inside = self
-            .facet
-            .foot(x.position)
-            .is_some_and(|(a, b, slack)| a >= -slack && b >= -slack && a + b <= 1.0 + slack);
-        if inside { self.density } else { 0.0 }
+        let foot = self.facet.foot(x.position);
+        if foot.is_some_and(|(a, b)| is_inside(a, b)) {
+            self.density
+        } else {
+            0.0
+        }
     }
+}
+
+#[inline]
+fn is_inside(a: f64, b: f64) -> bool {
+    (a >= 0.0) & (b >= 0.0) & (a + b <= 1.0)
 }
 
 #[cfg(test)]
