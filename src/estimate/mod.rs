@@ -9,6 +9,8 @@ mod sum;
 mod sums;
 mod tolerance;
 
+#[cfg(feature = "chart")]
+pub(crate) use display::parenthesised;
 pub use interval::{ConfidenceInterval, LevelError};
 pub use moments::Moments;
 pub use ratio::{Ratio, RatioError};
