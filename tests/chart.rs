@@ -244,7 +244,11 @@ fn drawn(diagrams: &[Diagram]) -> String {
     let document = Document::parse(&svg).unwrap();
     let root = document.root_element();
     let side = |name| root.attribute(name).unwrap().parse::<f64>().unwrap();
-    let (wide, high) = (side("width"), side("height"));
+    let view: Vec<f64> = (root.attribute("viewBox").unwrap().split(' '))
+        .map(|x| x.parse().unwrap())
+        .collect();
+    let (wide, high) = (view[2], view[3]);
+    assert_eq!(wide / side("width"), high / side("height"));
     for node in root.descendants().filter(|n| n.is_element()) {
         let odd = |value: &str| value.contains("NaN") || value.contains("inf");
         assert!(!node.attributes().any(|a| odd(a.value())), "{node:?}");

@@ -1,26 +1,7 @@
 //! What a diagram shows.
 
 use super::record::limits;
-use super::{Gap, Record, Slope, Study};
-
-/// What accuracy is paid with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cost {
-    /// Evaluations of the integrand.
-    Evaluations,
-    /// Processor time.
-    Seconds,
-}
-
-impl Cost {
-    /// Of one run.
-    pub(super) fn of(self, record: &Record) -> f64 {
-        match self {
-            Self::Evaluations => record.evaluations,
-            Self::Seconds => record.seconds,
-        }
-    }
-}
+use super::{Cost, Gap, Record, Slope, Study};
 
 /// A study as a picture, log–log; [`Page`](super::Page) draws it.
 #[derive(Clone, Debug)]
@@ -49,6 +30,13 @@ pub(super) struct Point {
     pub(super) y: f64,
     /// The confidence band, in y.
     pub(super) band: Option<[f64; 2]>,
+}
+
+impl Point {
+    /// Whether a logarithmic diagram has a place for it: no number is 0.
+    pub(super) fn has_place(self) -> bool {
+        self.x > 0.0 && self.y > 0.0
+    }
 }
 
 /// Lines to compare with.
@@ -108,6 +96,15 @@ impl Diagram {
     pub fn titled(self, title: &str) -> Self {
         let title = title.into();
         Self { title, ..self }
+    }
+
+    /// Whether some point stands on an edge.
+    pub(super) fn has_zeros(&self) -> bool {
+        self.points().any(|p| !p.has_place())
+    }
+
+    pub(super) fn points(&self) -> impl Iterator<Item = &Point> {
+        self.curves.iter().flat_map(|c| c.points.iter().flatten())
     }
 
     fn of(

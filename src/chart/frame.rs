@@ -1,6 +1,6 @@
 //! Powers of ten on pixels.
 
-use super::diagram::{Diagram, Guide};
+use super::diagram::{Diagram, Guide, Point};
 
 /// A logarithmic axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -9,13 +9,13 @@ pub(super) struct Axis {
     pub(super) low: f64,
     pub(super) high: f64,
     /// Where these are, in pixels.
-    pub(super) from: i32,
-    pub(super) to: i32,
+    pub(super) from: f64,
+    pub(super) to: f64,
 }
 
 impl Axis {
     /// From `from` to `to`, around these powers of ten.
-    fn around([low, high]: [f64; 2], [from, to]: [i32; 2]) -> Self {
+    fn around([low, high]: [f64; 2], [from, to]: [f64; 2]) -> Self {
         // An axis shorter than a decade might have no tick.
         let wanting = (1.2 - (high - low)).max(0.2) / 2.0;
         Self {
@@ -27,15 +27,15 @@ impl Axis {
     }
 
     /// The pixel of a power of ten; outside the ends, the nearer end.
-    pub(super) fn at(&self, power: f64) -> i32 {
+    pub(super) fn at(&self, power: f64) -> f64 {
         let part = (power.clamp(self.low, self.high) - self.low) / (self.high - self.low);
-        self.from + (part * f64::from(self.to - self.from)).round() as i32
+        self.from + part * (self.to - self.from)
     }
 
     /// Powers of ten with a label, no more than the pixels between the ends have
     /// room for.
-    pub(super) fn ticks(&self, apart: i32) -> Vec<(f64, String)> {
-        let room = f64::from((self.to - self.from).abs() / apart).max(1.0);
+    pub(super) fn ticks(&self, apart: f64) -> Vec<(f64, String)> {
+        let room = ((self.to - self.from).abs() / apart).max(1.0);
         let step = ((self.high - self.low) / room).ceil().max(1.0) as i32;
         let (first, last) = (self.low.ceil() as i32, self.high.floor() as i32);
         let mut ticks: Vec<_> = (first..=last)
@@ -55,15 +55,14 @@ impl Axis {
 }
 
 /// The axes of a diagram between these pixels: left, right; bottom, top.
-pub(super) fn axes(diagram: &Diagram, sides: [i32; 2], ends: [i32; 2]) -> [Axis; 2] {
-    let points = || {
-        diagram
-            .curves
-            .iter()
-            .flat_map(|c| c.points.iter().flatten())
-    };
-    let x = span(points().map(|p| p.x));
-    let y = span(points().flat_map(|p| [p.y].into_iter().chain(p.band.into_iter().flatten())));
+pub(super) fn axes(diagram: &Diagram, sides: [f64; 2], ends: [f64; 2]) -> [Axis; 2] {
+    let x = span(diagram.points().map(|p| p.x));
+    let values = |p: &Point| [p.y].into_iter().chain(p.band.into_iter().flatten());
+    let mut y = span(diagram.points().flat_map(values));
+    if diagram.has_zeros() {
+        // So that what stands on the edge hides nothing.
+        y[0] -= 0.08 * (y[1] - y[0]) + 0.1;
+    }
     let [x, y] = match diagram.guide {
         Guide::Slopes => [x, y],
         Guide::Equal(_) => [[x[0].min(y[0]), x[1].max(y[1])]; 2],
@@ -105,8 +104,8 @@ mod tests {
     fn every_axis_has_a_tick_and_none_too_many() {
         for low in [-300.0, -7.9, -0.01, 0.0, 3.3] {
             for length in [0.0, 0.3, 1.0, 2.7, 12.0, 300.0] {
-                let axis = Axis::around([low, low + length], [40, 340]);
-                let ticks = axis.ticks(50);
+                let axis = Axis::around([low, low + length], [40.0, 340.0]);
+                let ticks = axis.ticks(50.0);
                 assert!((1..=7).contains(&ticks.len()), "{low} {length}: {ticks:?}");
             }
         }
@@ -116,9 +115,9 @@ mod tests {
     fn nothing_and_zero_have_axes() {
         assert_eq!(span([].into_iter()), [0.0, 0.0]);
         assert_eq!(span([0.0, 100.0, f64::INFINITY].into_iter()), [2.0, 2.0]);
-        let axis = Axis::around([0.0, 4.0], [0, 420]);
-        assert_eq!(axis.at(f64::NEG_INFINITY), 0);
-        assert_eq!(axis.at(2.0), 210);
+        let axis = Axis::around([0.0, 4.0], [0.0, 420.0]);
+        assert_eq!(axis.at(f64::NEG_INFINITY), 0.0);
+        assert_eq!(axis.at(2.0), 210.0);
     }
 
     #[test]

@@ -29,20 +29,25 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod canvas;
+mod cost;
 mod diagram;
 mod found;
 mod frame;
+mod look;
 mod page;
+mod page_error;
 mod panel;
 mod record;
 mod slope;
 mod study;
-mod style;
 mod table;
 
-pub use diagram::{Cost, Diagram};
+pub use cost::Cost;
+pub use diagram::Diagram;
 pub use found::{Found, Reported};
-pub use page::{Page, PageError};
+pub use page::Page;
+pub use page_error::PageError;
 pub use record::{Gap, Record};
 pub use slope::Slope;
 pub use study::{Study, StudyError};

@@ -1,16 +1,14 @@
 //! Diagrams on a page, under one legend.
 
-use core::error::Error;
-use core::fmt;
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use plotters::backend::SVGBackend;
-use plotters::prelude::*;
+use plotters::style::Color;
 
+use super::PageError;
+use super::canvas::{Canvas, GREY, Pixel, Side, paint, width};
 use super::diagram::{Diagram, Guide};
-use super::panel::{Part, draw, has_zeros, slope_rows};
-use super::style::{Area, GREY, INK, Look, Pixel, Side, width, write};
+use super::look::Look;
+use super::panel::{Part, SLOPE, draw, slope_rows};
 
 /// Diagrams in rows, under a title and one legend for all of them.
 ///
@@ -27,48 +25,15 @@ pub struct Page<'a> {
     diagrams: &'a [Diagram],
 }
 
-/// Why a page could not be drawn or saved.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum PageError {
-    /// The drawing library refused; its reason.
-    Drawing(String),
-    /// The file cannot be written.
-    Unwritable {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        kind: io::ErrorKind,
-    },
-}
-
-impl fmt::Display for PageError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Drawing(reason) => write!(f, "cannot draw: {reason}"),
-            Self::Unwritable { path, kind } => {
-                write!(f, "cannot write {}: {kind}", path.display())
-            }
-        }
-    }
-}
-
-impl Error for PageError {}
-
-impl<E: Error + Send + Sync> From<DrawingAreaErrorKind<E>> for PageError {
-    fn from(error: DrawingAreaErrorKind<E>) -> Self {
-        Self::Drawing(error.to_string())
-    }
-}
-
-const MARGIN: i32 = 14;
-const TITLE: i32 = 36;
-const ROW: i32 = 24;
+const MARGIN: f64 = 14.0;
+const TITLE: f64 = 36.0;
+const ROW: f64 = 24.0;
 /// A single diagram, and one of several.
-const ALONE: Pixel = (760, 480);
-const PANEL: Pixel = (360, 310);
-/// Letters of the legend and of the notes.
-const LETTERS: i32 = 13;
+const ALONE: Pixel = (760.0, 480.0);
+const PANEL: Pixel = (360.0, 310.0);
+/// Letters of the title, and of the legend and the notes.
+const LARGE: f64 = 18.0;
+const LETTERS: f64 = 13.0;
 
 impl<'a> Page<'a> {
     /// `diagrams` in rows of `columns`, or of as many as there are if these are
@@ -90,58 +55,42 @@ impl<'a> Page<'a> {
     pub fn svg(&self) -> Result<String, PageError> {
         let alone = self.diagrams.len() == 1;
         let panel = if alone { ALONE } else { PANEL };
-        let columns = self.columns as i32;
-        let rows = self.diagrams.len().div_ceil(self.columns) as i32;
-        let wide = (columns * panel.0 + 2 * MARGIN).max(width(self.title, 18) + 2 * MARGIN);
-        let methods = self.methods();
+        let rows = self.diagrams.len().div_ceil(self.columns);
+        let room = width(self.title, LARGE).max(self.columns as f64 * panel.0);
+        let wide = room.ceil() + 2.0 * MARGIN;
+        let curves = self.diagrams.iter().flat_map(|d| &d.curves);
+        let methods = distinct(curves.map(|c| &c.method));
         let entries = self.entries(&methods);
         let places = places(&entries, wide);
-        let legend = places.last().map_or(0, |at| at.1 + ROW);
+        let legend = places.last().map_or(0.0, |at| at.1 + ROW);
         let slope_rows = self.diagrams.iter().map(|d| slope_rows(d, panel.0)).max();
         let slope_rows = slope_rows.filter(|_| !alone).unwrap_or(0);
-        let panel = (panel.0, panel.1 + slope_rows * super::panel::SLOPE.1);
-        let notes: Vec<&String> = self.diagrams.iter().flat_map(|d| &d.notes).collect();
+        let panel = (panel.0, panel.1 + slope_rows as f64 * SLOPE.1);
+        let notes = distinct(self.diagrams.iter().flat_map(|d| &d.notes));
         let panels = TITLE + legend + MARGIN;
-        let below = panels + rows * panel.1;
-        let high = below + notes.len() as i32 * ROW + MARGIN;
-
-        let mut svg = String::new();
-        let area = SVGBackend::with_string(&mut svg, (wide as u32, high as u32));
-        let area = area.into_drawing_area();
-        area.fill(&WHITE)?;
-        write(
-            &area,
-            self.title,
-            (MARGIN, TITLE / 2 + 4),
-            (18, Side::Left, INK),
-        )?;
-        for (entry, (x, y)) in entries.iter().zip(places) {
-            entry.draw(&area, (x, TITLE + y + ROW / 2))?;
-        }
+        let below = panels + rows as f64 * panel.1;
+        let high = below + notes.len() as f64 * ROW + MARGIN;
         let look = |method: &str| Look(methods.iter().position(|m| *m == method).unwrap_or(0));
-        for (n, diagram) in (0..).zip(self.diagrams) {
-            let corner = (
-                MARGIN + n % columns * panel.0,
-                panels + n / columns * panel.1,
-            );
-            let part = Part {
-                corner,
-                size: panel,
-            };
-            draw(&area, diagram, part, slope_rows, look)?;
-        }
-        for (n, note) in (0..).zip(notes) {
-            let at = (MARGIN, below + n * ROW + ROW / 2);
-            write(
-                &area,
-                &cut(note, wide - 2 * MARGIN),
-                at,
-                (LETTERS, Side::Left, INK),
-            )?;
-        }
-        area.present()?;
-        drop(area);
-        Ok(svg)
+
+        paint((wide, high), |canvas| {
+            canvas.text(self.title, (MARGIN, 0.5 * TITLE + 4.0), LARGE, Side::Left)?;
+            for (entry, (x, y)) in entries.iter().zip(&places) {
+                entry.draw(canvas, (*x, TITLE + y + 0.5 * ROW))?;
+            }
+            for (n, diagram) in self.diagrams.iter().enumerate() {
+                let [row, column] = [n / self.columns, n % self.columns].map(|k| k as f64);
+                let part = Part {
+                    corner: (MARGIN + column * panel.0, panels + row * panel.1),
+                    size: panel,
+                };
+                draw(canvas, diagram, part, slope_rows, look)?;
+            }
+            for (n, note) in notes.iter().enumerate() {
+                let at = (MARGIN, below + (n as f64 + 0.5) * ROW);
+                canvas.text(&cut(note, room), at, LETTERS, Side::Left)?;
+            }
+            Ok(())
+        })
     }
 
     /// Writes the page to a file.
@@ -157,23 +106,12 @@ impl<'a> Page<'a> {
         })
     }
 
-    /// In the order in which they appear.
-    fn methods(&self) -> Vec<&'a str> {
-        let mut methods = Vec::new();
-        for curve in self.diagrams.iter().flat_map(|d| &d.curves) {
-            if !methods.contains(&&*curve.method) {
-                methods.push(&*curve.method);
-            }
-        }
-        methods
-    }
-
-    fn entries(&self, methods: &[&str]) -> Vec<Entry> {
-        let slope = |method: &str| match self.diagrams {
-            [one] => one.curves.iter().find(|c| c.method == method)?.slope,
+    fn entries(&self, methods: &[&String]) -> Vec<Entry> {
+        let slope = |method: &String| match self.diagrams {
+            [one] => one.curves.iter().find(|c| c.method == *method)?.slope,
             _ => None,
         };
-        let method = |(n, name): (usize, &&str)| Entry {
+        let method = |(n, name): (usize, &&String)| Entry {
             sign: Sign::Method(Look(n)),
             text: match slope(name) {
                 Some(slope) => format!("{name}, slope {slope}"),
@@ -193,9 +131,20 @@ impl<'a> Page<'a> {
         also(slopes, Sign::Band, "95 % limits");
         let equal = any(|d| d.guide != Guide::Slopes);
         also(equal, Sign::Diagonal, "as reported, 95 %");
-        also(any(has_zeros), Sign::Zero, "exactly 0");
+        also(any(Diagram::has_zeros), Sign::Zero, "exactly 0");
         entries
     }
+}
+
+/// Each once, in the order in which they appear.
+fn distinct<'a>(all: impl Iterator<Item = &'a String>) -> Vec<&'a String> {
+    let mut found = Vec::new();
+    for one in all {
+        if !found.contains(&one) {
+            found.push(one);
+        }
+    }
+    found
 }
 
 /// A line of the legend.
@@ -214,41 +163,42 @@ enum Sign {
 }
 
 /// How wide signs are.
-const SIGN: i32 = 40;
+const SIGN: f64 = 40.0;
 
 impl Entry {
-    fn width(&self) -> i32 {
-        SIGN + 8 + width(&self.text, LETTERS) + 14
+    fn width(&self) -> f64 {
+        SIGN + 8.0 + width(&self.text, LETTERS) + 14.0
     }
 
-    /// `at` is the middle of its left side.
-    fn draw(&self, area: &Area, (x, y): Pixel) -> Result<(), PageError> {
-        let box_ = [(x, y - 6), (x + SIGN, y + 6)];
-        let line = [(x, y), (x + SIGN, y)];
+    /// `(x, y)` is the middle of its left side.
+    fn draw(&self, canvas: &Canvas, (x, y): Pixel) -> Result<(), PageError> {
+        let (left, middle, right) = (x, x + 0.5 * SIGN, x + SIGN);
+        let strip = [
+            (left, y - 6.0),
+            (right, y - 6.0),
+            (right, y + 6.0),
+            (left, y + 6.0),
+        ];
         match self.sign {
             Sign::Method(look) => {
-                look.line(area, line.to_vec())?;
-                look.mark(area, (x + SIGN / 2, y))?;
+                look.line(canvas, &[(left, y), (right, y)])?;
+                look.mark(canvas, (middle, y))?;
             }
-            Sign::Slopes => {
-                let fall = [(x, y - 5), (x + SIGN, y + 5)];
-                area.draw(&PathElement::new(fall, GREY))?;
-            }
-            Sign::Band => area.draw(&Rectangle::new(box_, GREY.mix(0.25).filled()))?,
+            Sign::Slopes => canvas.path(&[(left, y - 5.0), (right, y + 5.0)], 1.0, GREY)?,
+            Sign::Band => canvas.polygon(&strip, GREY.mix(0.3))?,
             Sign::Diagonal => {
-                area.draw(&Rectangle::new(box_, GREY.mix(0.15).filled()))?;
-                area.draw(&PathElement::new(line, GREY))?;
+                canvas.polygon(&strip, GREY.mix(0.2))?;
+                canvas.path(&[(left, y), (right, y)], 1.0, GREY)?;
             }
-            Sign::Zero => Look(6).zero(area, (x + SIGN / 2, y + 5))?,
+            Sign::Zero => Look(6).zero(canvas, (middle, y + 5.0))?,
         }
-        let at = (x + SIGN + 8, y);
-        write(area, &self.text, at, (LETTERS, Side::Left, INK))
+        canvas.text(&self.text, (right + 8.0, y), LETTERS, Side::Left)
     }
 }
 
 /// Side by side as far as the page is wide, row under row.
-fn places(entries: &[Entry], wide: i32) -> Vec<Pixel> {
-    let (mut x, mut y) = (MARGIN, 0);
+fn places(entries: &[Entry], wide: f64) -> Vec<Pixel> {
+    let (mut x, mut y) = (MARGIN, 0.0);
     let mut place = |entry: &Entry| {
         if x + entry.width() > wide && x > MARGIN {
             (x, y) = (MARGIN, y + ROW);
@@ -261,9 +211,9 @@ fn places(entries: &[Entry], wide: i32) -> Vec<Pixel> {
 }
 
 /// As much of a text as a line has room for, on one line.
-fn cut(text: &str, wide: i32) -> String {
+fn cut(text: &str, wide: f64) -> String {
     let line = text.replace(|c: char| c.is_control(), " ");
-    let room = (wide / width("m", LETTERS)).max(1) as usize;
+    let room = ((wide / width("m", LETTERS)) as usize).max(1);
     if line.chars().count() <= room {
         return line;
     }

@@ -1,11 +1,12 @@
 //! One diagram on its part of a page.
 
-use plotters::prelude::*;
+use plotters::style::Color;
 
+use super::PageError;
+use super::canvas::{Canvas, GREY, INK, Pixel, RULE, Side, width};
 use super::diagram::{Curve, Diagram, Guide, Point};
 use super::frame::{Axis, axes};
-use super::page::PageError;
-use super::style::{Area, GREY, INK, Look, Pixel, RULE, Side, width, write, write_upwards};
+use super::look::Look;
 
 /// A part of a page: its left upper corner, and its size.
 #[derive(Clone, Copy, Debug)]
@@ -15,100 +16,115 @@ pub(super) struct Part {
 }
 
 /// How much of a panel is not the frame.
-const LEFT: i32 = 66;
-const RIGHT: i32 = 14;
-const BELOW: i32 = 52;
-const TITLE: i32 = 24;
+const LEFT: f64 = 66.0;
+const RIGHT: f64 = 14.0;
+const BELOW: f64 = 52.0;
+const TITLE: f64 = 24.0;
 /// What a slope and its mark take above the frame.
-pub(super) const SLOPE: Pixel = (92, 18);
+pub(super) const SLOPE: Pixel = (92.0, 18.0);
 
 /// Rows of slopes above the frame of a panel as wide as this.
-pub(super) fn slope_rows(diagram: &Diagram, wide: i32) -> i32 {
-    let slopes = diagram.curves.iter().filter(|c| c.slope.is_some()).count() as i32;
-    let columns = ((wide - LEFT - RIGHT) / SLOPE.0).max(1);
-    (slopes + columns - 1) / columns
+pub(super) fn slope_rows(diagram: &Diagram, wide: f64) -> usize {
+    let slopes = diagram.curves.iter().filter(|c| c.slope.is_some()).count();
+    slopes.div_ceil(slope_columns(wide - LEFT - RIGHT))
 }
 
-/// Draws a diagram, `rows` rows of slopes above its frame; `look` says what a
-/// method looks like.
+fn slope_columns(wide: f64) -> usize {
+    ((wide / SLOPE.0) as usize).max(1)
+}
+
+/// Draws a diagram, with `rows` rows of slopes above its frame; `look` says what
+/// a method looks like.
 pub(super) fn draw(
-    area: &Area,
+    canvas: &Canvas,
     diagram: &Diagram,
     part: Part,
-    rows: i32,
+    rows: usize,
     look: impl Fn(&str) -> Look,
 ) -> Result<(), PageError> {
-    let (left, right) = (part.corner.0 + LEFT, part.corner.0 + part.size.0 - RIGHT);
-    let top = part.corner.1 + TITLE + rows * SLOPE.1;
-    let bottom = part.corner.1 + part.size.1 - BELOW;
-    let middle = (left + right) / 2;
-    write(
-        area,
+    let (corner, size) = (part.corner, part.size);
+    let (left, right) = (corner.0 + LEFT, corner.0 + size.0 - RIGHT);
+    let head = corner.1 + TITLE;
+    let (top, bottom) = (head + rows as f64 * SLOPE.1, corner.1 + size.1 - BELOW);
+    let middle = 0.5 * (left + right);
+    canvas.text(
         &diagram.title,
-        (middle, part.corner.1 + 10),
-        (14, Side::Centre, INK),
+        (middle, corner.1 + 10.0),
+        14.0,
+        Side::Centre,
     )?;
     if rows > 0 {
-        slopes(area, diagram, (left, part.corner.1 + TITLE), right, &look)?;
+        slopes(
+            canvas,
+            diagram,
+            (left, head),
+            slope_columns(right - left),
+            &look,
+        )?;
     }
 
     let axes = axes(diagram, [left, right], [bottom, top]);
     let [x, y] = axes;
-    for (power, label) in x.ticks(52) {
+    for (power, label) in x.ticks(52.0) {
         let at = x.at(power);
-        area.draw(&PathElement::new([(at, bottom), (at, top)], RULE))?;
-        write(area, &label, (at, bottom + 13), (12, Side::Centre, INK))?;
+        canvas.path(&[(at, bottom), (at, top)], 1.0, RULE)?;
+        canvas.text(&label, (at, bottom + 13.0), 12.0, Side::Centre)?;
     }
-    for (power, label) in y.ticks(24) {
+    for (power, label) in y.ticks(24.0) {
         let at = y.at(power);
-        area.draw(&PathElement::new([(left, at), (right, at)], RULE))?;
-        write(area, &label, (left - 7, at), (12, Side::Right, INK))?;
+        canvas.path(&[(left, at), (right, at)], 1.0, RULE)?;
+        canvas.text(&label, (left - 7.0, at), 12.0, Side::Right)?;
     }
     let [x_name, y_name] = diagram.names;
-    write(area, x_name, (middle, bottom + 32), (12, Side::Centre, INK))?;
-    write_upwards(area, y_name, (part.corner.0 + 11, (top + bottom) / 2), 12)?;
+    canvas.text(x_name, (middle, bottom + 32.0), 12.0, Side::Centre)?;
+    canvas.text_upwards(y_name, (corner.0 + 11.0, 0.5 * (top + bottom)), 12.0)?;
 
-    guide(area, diagram.guide, axes)?;
-    area.draw(&Rectangle::new([(left, top), (right, bottom)], GREY))?;
+    guide(canvas, diagram.guide, axes)?;
+    let frame = [
+        (left, top),
+        (right, top),
+        (right, bottom),
+        (left, bottom),
+        (left, top),
+    ];
+    canvas.path(&frame, 1.0, INK.mix(0.5))?;
     // Bands first, so that none hides a curve.
     for curve in &diagram.curves {
-        band(area, curve, axes, look(&curve.method))?;
+        band(canvas, curve, axes, look(&curve.method))?;
     }
     for c in &diagram.curves {
-        curve(area, c, axes, look(&c.method))?;
+        curve(canvas, c, axes, look(&c.method))?;
     }
     Ok(())
 }
 
-/// The slopes, side by side from `at` as far as `right`, row under row.
+/// The slopes, so many in a row.
 fn slopes(
-    area: &Area,
+    canvas: &Canvas,
     diagram: &Diagram,
-    at: Pixel,
-    right: i32,
+    (left, top): Pixel,
+    columns: usize,
     look: impl Fn(&str) -> Look,
 ) -> Result<(), PageError> {
-    let (mut x, mut y) = at;
-    for curve in &diagram.curves {
-        let Some(slope) = curve.slope else { continue };
-        if x + SLOPE.0 > right && x > at.0 {
-            (x, y) = (at.0, y + SLOPE.1);
-        }
-        look(&curve.method).mark(area, (x + 6, y + 7))?;
+    let slopes = diagram.curves.iter().filter_map(|c| Some((c, c.slope?)));
+    for (n, (curve, slope)) in slopes.enumerate() {
+        let x = left + (n % columns) as f64 * SLOPE.0 + 6.0;
+        let y = top + (n / columns) as f64 * SLOPE.1 + 7.0;
+        look(&curve.method).mark(canvas, (x, y))?;
         let text = slope.to_string();
-        // An error as large as the slope is long, and says little.
-        let shown = if width(&text, 11) > SLOPE.0 - 16 {
-            "?"
-        } else {
-            &text
-        };
-        write(area, shown, (x + 15, y + 7), (11, Side::Left, INK))?;
-        x += SLOPE.0;
+        // One with many digits before its error says nothing that is worth them.
+        let fits = width(&text, 11.0) < SLOPE.0 - 16.0;
+        canvas.text(
+            if fits { &text } else { "?" },
+            (x + 9.0, y),
+            11.0,
+            Side::Left,
+        )?;
     }
     Ok(())
 }
 
-fn guide(area: &Area, guide: Guide, [x, y]: [Axis; 2]) -> Result<(), PageError> {
+fn guide(canvas: &Canvas, guide: Guide, [x, y]: [Axis; 2]) -> Result<(), PageError> {
     let pixel = |(a, b): (f64, f64)| (x.at(a), y.at(b));
     match guide {
         Guide::Slopes => {
@@ -116,8 +132,7 @@ fn guide(area: &Area, guide: Guide, [x, y]: [Axis; 2]) -> Result<(), PageError> 
             for slope in [-0.5, -1.0, -1.5] {
                 let run = (x.high - x.low).min((y.high - y.low) / -slope);
                 let end = (x.low + run, y.high + slope * run);
-                let line = [(x.low, y.high), end].map(pixel);
-                area.draw(&PathElement::new(line, GREY))?;
+                canvas.path(&[(x.low, y.high), end].map(pixel), 1.0, GREY)?;
             }
         }
         Guide::Equal(factors) => {
@@ -132,48 +147,43 @@ fn guide(area: &Area, guide: Guide, [x, y]: [Axis; 2]) -> Result<(), PageError> 
                 (high, high - below),
                 (low + below, low),
             ];
-            area.draw(&Polygon::new(strip.map(pixel), GREY.mix(0.15)))?;
-            let line = [(low, low), (high, high)].map(pixel);
-            area.draw(&PathElement::new(line, GREY))?;
+            canvas.polygon(&strip.map(pixel), GREY.mix(0.2))?;
+            canvas.path(&[(low, low), (high, high)].map(pixel), 1.0, GREY)?;
         }
     }
     Ok(())
 }
 
-fn band(area: &Area, curve: &Curve, [x, y]: [Axis; 2], look: Look) -> Result<(), PageError> {
+fn band(canvas: &Canvas, curve: &Curve, [x, y]: [Axis; 2], look: Look) -> Result<(), PageError> {
+    let colour = look.colour();
     for stretch in stretches(curve) {
         let edge = |end: usize| {
             let at = move |p: &&Point| Some((x.at(p.x.log10()), y.at(p.band?[end].log10())));
             stretch.iter().filter_map(at).collect::<Vec<_>>()
         };
         let (lower, mut outline) = (edge(0), edge(1));
-        let colour = look.colour();
         if let ([from], [to]) = (&lower[..], &outline[..]) {
             // A single point has a bar.
-            area.draw(&PathElement::new(
-                [*from, *to],
-                colour.mix(0.5).stroke_width(2),
-            ))?;
+            canvas.path(&[*from, *to], 2.0, colour.mix(0.5))?;
         } else if !lower.is_empty() {
             outline.extend(lower.into_iter().rev());
-            area.draw(&Polygon::new(outline, colour.mix(0.13)))?;
+            canvas.polygon(&outline, colour.mix(0.13))?;
         }
     }
     Ok(())
 }
 
-fn curve(area: &Area, curve: &Curve, [x, y]: [Axis; 2], look: Look) -> Result<(), PageError> {
+fn curve(canvas: &Canvas, curve: &Curve, [x, y]: [Axis; 2], look: Look) -> Result<(), PageError> {
     let pixel = |p: &Point| (x.at(p.x.log10()), y.at(p.y.log10()));
-    for stretch in stretches(curve) {
-        if stretch.len() > 1 {
-            look.line(area, stretch.iter().map(|p| pixel(p)).collect())?;
-        }
+    for stretch in stretches(curve).filter(|s| s.len() > 1) {
+        let points: Vec<Pixel> = stretch.into_iter().map(pixel).collect();
+        look.line(canvas, &points)?;
     }
     for p in curve.points.iter().flatten() {
-        if is_drawn(p) {
-            look.mark(area, pixel(p))?;
+        if p.has_place() {
+            look.mark(canvas, pixel(p))?;
         } else {
-            look.zero(area, pixel(p))?;
+            look.zero(canvas, pixel(p))?;
         }
     }
     Ok(())
@@ -181,21 +191,8 @@ fn curve(area: &Area, curve: &Curve, [x, y]: [Axis; 2], look: Look) -> Result<()
 
 /// Points without a gap or a zero between them.
 fn stretches(curve: &Curve) -> impl Iterator<Item = Vec<&Point>> {
-    let points = curve.points.split(|p| !p.as_ref().is_some_and(is_drawn));
+    let points = curve.points.split(|p| !p.is_some_and(Point::has_place));
     points
         .filter(|s| !s.is_empty())
         .map(|s| s.iter().flatten().collect())
-}
-
-fn is_drawn(p: &Point) -> bool {
-    p.x > 0.0 && p.y > 0.0
-}
-
-/// Whether some number is 0 and stands on an edge.
-pub(super) fn has_zeros(diagram: &Diagram) -> bool {
-    let mut points = diagram
-        .curves
-        .iter()
-        .flat_map(|c| c.points.iter().flatten());
-    points.any(|p| !is_drawn(p))
 }
