@@ -6,14 +6,17 @@
 //! `cargo bench --bench overhead -- --instructions` adds the instructions that
 //! each sample takes, counted by valgrind, which has to be installed.
 
+#[path = "support/instructions.rs"]
+mod support;
+
 use std::hint::black_box;
-use std::process::Command;
 use std::time::{Duration, Instant};
 
 use estimand::pdf::UnitCube;
 use estimand::prelude::*;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use support::instructions;
 
 const SAMPLES: u64 = 2_000_000;
 const ROUNDS: usize = 15;
@@ -175,8 +178,8 @@ fn main() {
         print!("{:>7.2}", row.bound);
         if count {
             for side in ["ours", "theirs"] {
-                match instructions(row.name, side) {
-                    Some(n) => print!("{n:>8.1}"),
+                match instructions(&[row.name, side]) {
+                    Some(n) => print!("{:>8.1}", n / SAMPLES as f64),
                     None => print!("{:>8}", "?"),
                 }
             }
@@ -219,21 +222,6 @@ fn alternate(sides: [fn() -> f64; 2], rounds: usize) -> [f64; 2] {
         }
     }
     times.map(median)
-}
-
-/// Instructions a sample, of this program run on one side alone.
-fn instructions(name: &str, side: &str) -> Option<f64> {
-    let output = Command::new("valgrind")
-        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
-        .arg(std::env::current_exe().ok()?)
-        .args([name, side])
-        .output()
-        .ok()?;
-    let report = String::from_utf8(output.stderr).ok()?;
-    let total = report
-        .lines()
-        .find_map(|line| line.split_once("Collected : "))?;
-    Some(total.1.trim().parse::<f64>().ok()? / SAMPLES as f64)
 }
 
 /// In nanoseconds a sample.

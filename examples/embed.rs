@@ -21,6 +21,7 @@ use std::fmt;
 use estimand::integrator::Cause;
 use estimand::prelude::*;
 use estimand::run::RunError;
+use estimand::verify;
 use rand::SeedableRng;
 use rand::rand_core::{Infallible, TryRng};
 
@@ -130,9 +131,22 @@ fn main() -> Result<(), Box<dyn Error>> {
     // Wider than the gas: f/p stays bounded.
     let proposal = Rayleigh { scale: 1.2 * gas.a };
     println!("Speeds of argon at {TEMPERATURE} K, a = {:.2} m/s\n", gas.a);
+    verified(gas, proposal)?;
     to_a_tolerance(gas, proposal)?;
     in_strata(gas, proposal)?;
     failing(gas, proposal)
+}
+
+/// The pdf keeps its laws: what a test of the program would say, one line each.
+fn verified(gas: MaxwellBoltzmann, proposal: Rayleigh) -> Result<(), Box<dyn Error>> {
+    let s = proposal.scale;
+    let speeds = Exponential::new(0.0, 0.5 / s)?;
+    let cdf = |v: f64| -(-0.5 * (v / s).powi(2)).exp_m1();
+    verify::consistent(&proposal, 1e-12, 10_000, 1)?.assert(1e-6);
+    verify::density(&proposal, &speeds, 100_000, 1)?.assert(1e-6);
+    verify::distributed(&proposal, cdf, 100_000, 1)?.assert(1e-6);
+    verify::supported(&gas, &proposal, &speeds, 100_000, 1)?.assert(1e-6);
+    Ok(())
 }
 
 fn to_a_tolerance(gas: MaxwellBoltzmann, proposal: Rayleigh) -> Result<(), Box<dyn Error>> {

@@ -4,36 +4,41 @@
 //! cargo run --release --example path_tracer [-- FOLDER]
 //! ```
 //!
-//! 256 × 256 pixels, 256 paths each: 32 jittered grids of 2 × 4 strata, whose
-//! spread is the error bar. Writes the picture, its standard errors as a grey
-//! map, and both as linear floats into FOLDER, `target` unless said otherwise.
+//! 256 × 256 pixels, 256 paths each: the first 32 points of Sobol's sequence,
+//! shifted digit by digit 8 times, whose spread is the error bar. Prints what the
+//! net buys over independent points, of which it renders 32; writes the picture, its
+//! standard errors as a grey map, and both as linear floats into FOLDER, `target`
+//! unless said otherwise.
 
 use std::fs::{self, File};
 use std::io::BufWriter;
 use std::path::PathBuf;
 
 use estimand::prelude::*;
-use estimand::render::{Image, Radiance, RandomizedFilm, Technique, scenes};
+use estimand::render::{Film, Image, Radiance, RandomizedFilm, Technique, scenes};
+use estimand::sampler::DigitalShift;
 use image::ExtendedColorType;
 use indicatif::{ProgressBar, ProgressStyle};
 
 const SIZE: u32 = 256;
-const STRATA: [u64; 2] = [2, 4];
-const GRIDS: u64 = 32;
+const POINTS: u64 = 32;
+const SHIFTS: u64 = 8;
+/// Dimensions of the net: where a path goes at its first vertices. Later ones are
+/// independent.
+const DIMENSIONS: usize = 16;
+/// In one set of points for each pixel.
+const SET: u64 = POINTS * (SIZE * SIZE) as u64;
+const SAMPLES: u64 = SHIFTS * SET;
 
 type Error = Box<dyn std::error::Error>;
 
-fn main() -> Result<(), Error> {
-    let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| "target".into()));
-    fs::create_dir_all(&folder)?;
-
-    let (scene, camera) = scenes::cornell2()?;
-    let view = Radiance::new(&scene, Technique::path_tracing())?.seen_by(camera);
-    let grid = Stratified::new(STRATA, 1, 7)?;
-    // Eight grids in the first pass; more in those that follow.
-    let mut film = RandomizedFilm::new(view, grid, [SIZE, SIZE], grid.len(), 8)?;
-
-    let samples = grid.len() * GRIDS * u64::from(SIZE * SIZE);
+/// Renders a film, with a bar that shows how far it is.
+fn render<F>(mut film: F, samples: u64) -> Result<Finished<Image>, Error>
+where
+    F: Integrator<Answer = Image> + Sync,
+    F::Partial: Send,
+    F::Error: std::error::Error + 'static,
+{
     let bar = ProgressBar::new(samples).with_style(ProgressStyle::with_template(
         "{wide_bar} {percent} % {eta} left",
     )?);
@@ -41,6 +46,22 @@ fn main() -> Result<(), Error> {
         bar.set_position(progress.integrator.spent());
     })?;
     bar.finish_and_clear();
+    Ok(finished)
+}
+
+fn main() -> Result<(), Error> {
+    let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| "target".into()));
+    fs::create_dir_all(&folder)?;
+
+    let (scene, camera) = scenes::cornell2()?;
+    let view = Radiance::new(&scene, Technique::path_tracing())?.seen_by(camera);
+    let size = [SIZE, SIZE];
+    let plain = render(Film::new(view, Independent::new(7), size)?, SET)?;
+    let net = Sobol::new(DIMENSIONS)?.scrambled(DigitalShift, 7);
+    let finished = render(
+        RandomizedFilm::new(view, net, size, POINTS, SHIFTS)?,
+        SAMPLES,
+    )?;
 
     let image = finished.answer;
     let seconds = finished.elapsed.as_secs_f64();
@@ -53,24 +74,34 @@ fn main() -> Result<(), Error> {
     let mean = image.mean();
     println!(
         "{SIZE} × {SIZE} pixels, {} paths each, in {seconds:.1} s",
-        samples / u64::from(SIZE * SIZE)
+        POINTS * SHIFTS
     );
     println!(
         "paths/s        {:.2} million",
-        samples as f64 / seconds * 1e-6
+        SAMPLES as f64 / seconds * 1e-6
     );
     println!("rays a path    {rays}");
     println!(
         "rays/s         {:.2} million",
-        samples as f64 * rays.mean / seconds * 1e-6
+        SAMPLES as f64 * rays.mean / seconds * 1e-6
     );
     println!(
         "ns a ray       {:.0}",
-        seconds / (samples as f64 * rays.mean) * 1e9
+        seconds / (SAMPLES as f64 * rays.mean) * 1e9
     );
     println!("mean radiance  {:.5}", mean.mean);
     println!("  its error    {:.5}", mean.standard_error);
     println!("pixel error    {:.4} (root mean square)", image.rms_error());
+    // As many independent points: σ/√n.
+    let independent = plain.answer.rms_error() / (SHIFTS as f64).sqrt();
+    let gain = (independent / image.rms_error()).powi(2);
+    let time = SHIFTS as f64 * plain.elapsed.as_secs_f64() / seconds;
+    println!("               {independent:.4} at independent points, of which as good an image");
+    println!(
+        "               takes {gain:.1} times as many, and {:.1} times the time",
+        gain * time
+    );
+    assert!(gain > 2.0);
 
     write(&image, &folder)?;
     println!(

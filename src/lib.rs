@@ -17,5 +17,6 @@ pub mod render;
 pub mod run;
 pub mod sampler;
 pub mod value;
+pub mod verify;
 
 pub use integrate::{Outcome, integrate, try_integrate};

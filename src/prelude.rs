@@ -5,7 +5,7 @@ pub use crate::estimator::{Estimator, FromFn, Importance, TryImportance, primary
 pub use crate::integrand::{Integrand, with_scratch};
 pub use crate::integrate::{integrate, try_integrate};
 pub use crate::integrator::{
-    Cause, Integrator, MonteCarlo, NonFinite, RandomizedQmc, StratifiedMonteCarlo,
+    Cause, Integrator, MonteCarlo, NonFinite, RandomizedQmc, StratifiedMonteCarlo, Vegas,
 };
 pub use crate::pdf::{
     CosineHemisphere, Exponential, Interval, Invert, Linear, Normal, Pdf, Sample,

@@ -9,23 +9,11 @@ mod support;
 use std::f64::consts::PI;
 
 use estimand::prelude::*;
-use support::mean;
+use support::mean::variance_p_value;
 use support::radiometry::{Disk, estimate, hits_p_value};
 use support::{SEEDS, assert_plausible, assert_rejected};
 
 const SAMPLES: u64 = 200_000;
-
-/// The p-value of the variance of the primary estimates: of n of them, with the
-/// excess kurtosis κ, its standard error is σ² √((κ + 2)/n). The mean is not
-/// looked at.
-///
-/// Source: Cramér, *Mathematical Methods of Statistics* (1946), §27.4.
-fn variance_p_value(e: &Estimate<f64>, exact: f64) -> f64 {
-    let variance = e.moments.variance().unwrap();
-    let kurtosis = e.moments.excess_kurtosis().unwrap();
-    let error = variance * ((kurtosis + 2.0) / e.samples() as f64).sqrt();
-    mean::p_value(variance, error, exact)
-}
 
 fn check(name: &str, estimator: impl Estimator<Value = f64> + Copy, exact: f64, samples: u64) {
     for seed in SEEDS {

@@ -15,7 +15,7 @@ use estimand::estimator::primary_estimates;
 use estimand::prelude::*;
 use estimand::render::{Film, FilmError, Image, Pixel, PixelError, RandomizedFilm};
 use estimand::run::{RunError, StopError};
-use estimand::sampler::Block;
+use estimand::sampler::{Block, Owen};
 use glam::DVec3;
 use statrs::distribution::{Binomial, DiscreteCDF};
 use support::assert_plausible;
@@ -427,6 +427,19 @@ fn refuses_what_is_not_a_film() {
     assert_eq!(nets(0, 8), Some(FilmError::NoPoints));
     assert_eq!(nets(1, 7), Some(FilmError::Replicates(7)));
     assert_eq!(nets(1, 8), None);
+    // Half a grid would be half a pixel.
+    let points = 8;
+    let grid = Stratified::new([4, 4], 1, 1).unwrap();
+    let half = RandomizedFilm::new(RAMP, grid, [3, 3], points, 8).err();
+    let complete = 0;
+    assert_eq!(half, Some(FilmError::Incomplete { points, complete }));
+    let net = Sobol::new(2).unwrap().scrambled(Owen, 1);
+    let points = 1_000;
+    let some = RandomizedFilm::new(RAMP, net, [3, 3], points, 8).err();
+    let complete = 512;
+    let incomplete = FilmError::Incomplete { points, complete };
+    assert_eq!(some, Some(incomplete));
+    assert!(incomplete.to_string().contains("1000") && incomplete.to_string().contains("512"));
     assert!(FilmError::Replicates(7).to_string().contains("not 7"));
 }
 

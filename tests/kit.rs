@@ -1,4 +1,4 @@
-//! Who tests the tests: the p-values of `support` against published
+//! Who tests the tests: the p-values of `estimand::verify` against published
 //! distributions, their calibration under true hypotheses, and their power
 //! against false ones.
 //!
@@ -10,6 +10,7 @@ mod support;
 
 use approx::assert_relative_eq;
 use estimand::sampler::{Block, Coordinates, Independent, Sampler};
+use estimand::verify::tail;
 use support::significance::{CHECKS, FAMILY_WISE, significance};
 use support::{
     SEEDS, assert_plausible, assert_rejected, chi_squared, kolmogorov, mean, quadrature,
@@ -71,11 +72,11 @@ fn kolmogorovs_limit_on_both_sides_of_the_switch() {
         (3.5, 4.579_469_691_291_106e-11),
         (4.0, 2.532_833_109_818_835e-14),
     ] {
-        assert_relative_eq!(kolmogorov::survival(x), p, max_relative = 1e-13);
+        assert_relative_eq!(tail::kolmogorov_limit(x), p, max_relative = 1e-13);
     }
     let (below, above) = (
-        kolmogorov::survival(1.0_f64.next_down()),
-        kolmogorov::survival(1.0),
+        tail::kolmogorov_limit(1.0_f64.next_down()),
+        tail::kolmogorov_limit(1.0),
     );
     assert_relative_eq!(below, above, max_relative = 1e-13);
 }
@@ -94,13 +95,13 @@ fn kolmogorov_smirnov_at_finite_n() {
         (100_000, 1.0, 0.269_435_312_462_768, 1e-5),
         (100_000, 3.4, 1.806_312_435_736_981_5e-10, 1e-9),
     ] {
-        let distance = z / f64::from(n).sqrt();
-        let found = kolmogorov::finite_survival(distance, n as usize);
+        let distance = z / (n as f64).sqrt();
+        let found = tail::kolmogorov(distance, n);
         assert_relative_eq!(found, p, max_relative = accuracy);
     }
     // Three values whose distance is seen: F_n jumps to 1 at 0.3.
     let found = kolmogorov::p_value(&[0.3, 0.1, 0.2], |x| x);
-    assert_eq!(found, kolmogorov::finite_survival(0.7, 3));
+    assert_eq!(found, tail::kolmogorov(0.7, 3));
 }
 
 #[test]

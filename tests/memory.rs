@@ -5,6 +5,8 @@
 use std::hint::black_box;
 
 use allocation_counter::{AllocationInfo, measure};
+use estimand::estimator::{DensityControls, Heuristic, MultiSample};
+use estimand::integrator::ControlledMonteCarlo;
 use estimand::pdf::UnitCube;
 use estimand::prelude::*;
 
@@ -25,11 +27,20 @@ fn strata(samples: u64) {
     run(&mut integrator, &Serial, &Stop::samples(samples)).unwrap();
 }
 
+fn techniques(samples: u64) {
+    let pdfs = (Interval::unit(), Linear::new(0.0, 1.0, 0.0, 1.0).unwrap());
+    let model = MultiSample::new(pdfs, [1, 1], Heuristic::Balance).unwrap();
+    let estimator = DensityControls::new(|x: f64| x * x, model);
+    let sampler = Independent::new(1);
+    let mut integrator = ControlledMonteCarlo::new(estimator, [1.0; 2], sampler).unwrap();
+    run(&mut integrator, &Serial, &Stop::samples(samples)).unwrap();
+}
+
 /// Each pass merges its blocks in a tree of at most log₂ n subtrees; that, and
 /// nothing else, is allocated.
 #[test]
 fn a_run_allocates_by_the_pass_and_not_by_the_sample() {
-    for integrate in [plain, strata] {
+    for integrate in [plain, strata, techniques] {
         let few = of(|| integrate(10_000));
         let many = of(|| integrate(10_000_000));
         assert!(few.count_total < 40, "{few:?}");

@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use estimand::estimate::ErrorSource;
 use estimand::integrator::RandomizedQmcError;
 use estimand::prelude::*;
-use estimand::sampler::Block;
+use estimand::sampler::{Block, LinearMatrix, Owen};
 use statrs::distribution::{Binomial, DiscreteCDF};
 use support::sampler_laws::points;
 use support::{assert_plausible, assert_rejected, mean};
@@ -75,6 +75,9 @@ fn by_hand<S: Randomize + Clone>(sampler: S, n: u64, budget: u64) {
 #[test]
 fn the_answer_is_the_mean_of_means() {
     by_hand(Lattice::new(2, 1).unwrap(), 512, 5 * 1_000);
+    let net = Sobol::new(2).unwrap();
+    by_hand(net.scrambled(Owen, 1), 512, 5 * 1_000);
+    by_hand(net.scrambled(LinearMatrix, 1), 512, 5 * 1_023);
     by_hand(Halton::new(2, 1).unwrap(), 1_000, 5 * 1_000);
     by_hand(Halton::nested(2, 1).unwrap(), 777, 5 * 777);
     by_hand(LatinHypercube::new(60, 2, 1).unwrap(), 60, 5 * 60);
@@ -107,14 +110,39 @@ fn a_budget_below_a_complete_set_is_refused() {
     assert_eq!(e.answer.samples(), 3_600);
 }
 
-/// A lattice has 2²⁰ points, whatever the budget.
+/// A lattice has 2²⁰ points, whatever the budget, and the run says that they are
+/// used up; also where there is no budget, but a tolerance out of reach.
 #[test]
 fn points_that_are_not_there_are_not_asked_for() {
     let estimator = Importance::new(|x: f64| x, Interval::new(0.0, 1.0).unwrap());
     let mut integrator = RandomizedQmc::new(estimator, Lattice::new(1, 1).unwrap(), 2).unwrap();
     let finished = run(&mut integrator, &Serial, &Stop::samples(1 << 40)).unwrap();
-    assert_eq!(finished.reason, Reason::Samples);
+    assert_eq!(finished.reason, Reason::Points);
+    assert_eq!(finished.unspent, Some((1 << 40) - (1 << 21)));
     assert_eq!(integrator.points(), 1 << 20);
+    let out_of_reach = Stop {
+        samples: None,
+        tolerance: Some(Tolerance::absolute(1e-300).unwrap()),
+        ..Stop::samples(1)
+    };
+    let finished = run(&mut integrator, &Serial, &out_of_reach).unwrap();
+    assert_eq!((finished.reason, finished.unspent), (Reason::Points, None));
+}
+
+/// What is rounded away of a budget is told.
+#[test]
+fn what_is_left_of_a_budget_is_stated() {
+    let net = Sobol::new(2).unwrap().scrambled(Owen, 1);
+    let mut integrator = over(net, 8);
+    for (budget, points) in [(8 * 1_000, 512), (8 * 1_024 + 7, 1_024), (8 * 2_048, 2_048)] {
+        let finished = run(&mut integrator, &Serial, &Stop::samples(budget)).unwrap();
+        assert_eq!(finished.reason, Reason::Samples);
+        assert_eq!(
+            (integrator.points(), finished.answer.samples()),
+            (points, 8 * points)
+        );
+        assert_eq!(finished.unspent, Some(budget - 8 * points));
+    }
 }
 
 /// Doubled in three runs or in one: the same points, and not one of them twice.
@@ -194,6 +222,7 @@ fn any_number_of_threads_gives_the_same_bits() {
         }
     }
     same(Lattice::new(2, 7).unwrap());
+    same(Sobol::new(2).unwrap().scrambled(Owen, 7));
     same(Halton::new(2, 7).unwrap());
     same(Halton::nested(2, 7).unwrap());
     same(LatinHypercube::new(100, 2, 7).unwrap());
@@ -312,6 +341,10 @@ fn binomial(covered: u64) -> f64 {
     (2.0 * below.min(above)).min(1.0)
 }
 
+fn net() -> Sobol {
+    Sobol::new(2).unwrap()
+}
+
 fn calibrated<S: Randomize>(name: &str, sampler: impl Fn(u64) -> S, n: u64) {
     let (covered, naive, p) = coverage(sampler, n);
     assert_plausible(p, &format!("{name}: mean"));
@@ -323,6 +356,7 @@ fn calibrated<S: Randomize>(name: &str, sampler: impl Fn(u64) -> S, n: u64) {
 fn intervals_cover_as_they_say_and_those_of_independent_points_do_not() {
     calibrated("lattice", |s| Lattice::new(2, s).unwrap(), 128);
     calibrated("baker", |s| Lattice::new(2, s).unwrap().baker(), 128);
+    calibrated("Owen", |s| net().scrambled(Owen, s), 128);
     calibrated("permuted", |s| Halton::new(2, s).unwrap(), 100);
     calibrated("nested", |s| Halton::nested(2, s).unwrap(), 100);
     calibrated("hypercube", |s| LatinHypercube::new(50, 2, s).unwrap(), 50);

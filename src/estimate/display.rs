@@ -11,12 +11,7 @@ impl<V: Value> fmt::Display for Estimate<V> {
     /// asked for.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (mean, error) = (self.mean.components(), self.standard_error.components());
-        let numbers = mean.as_ref().iter().zip(error.as_ref());
-        let all: Vec<String> = numbers.map(|(&m, &e)| parenthesised(m, e)).collect();
-        if let [one] = &all[..] {
-            return filled(f, one);
-        }
-        filled(f, &format!("[{}]", all.join(", ")))
+        filled(f, &with_errors(mean.as_ref(), error.as_ref()))
     }
 }
 
@@ -24,6 +19,16 @@ impl fmt::Display for Ratio {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         filled(f, &parenthesised(self.value, self.standard_error))
     }
+}
+
+/// One number with its error, or `[…, …]` of several.
+pub(crate) fn with_errors(mean: &[f64], error: &[f64]) -> String {
+    let numbers = mean.iter().zip(error);
+    let all: Vec<String> = numbers.map(|(&m, &e)| parenthesised(m, e)).collect();
+    if let [one] = &all[..] {
+        return one.clone();
+    }
+    format!("[{}]", all.join(", "))
 }
 
 /// `Formatter::pad` without its precision, which would cut digits off.

@@ -11,6 +11,7 @@ mod tolerance;
 
 #[cfg(feature = "chart")]
 pub(crate) use display::parenthesised;
+pub(crate) use display::with_errors;
 pub use interval::{ConfidenceInterval, LevelError};
 pub use moments::Moments;
 pub use ratio::{Ratio, RatioError};

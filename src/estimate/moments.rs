@@ -145,6 +145,19 @@ impl<V: Value> Moments<V> {
         }
     }
 
+    /// The same, of a value that has the same components.
+    pub(crate) fn retyped<U: Value<Components = V::Components>>(self) -> Moments<U> {
+        Moments {
+            count: self.count,
+            non_finite: self.non_finite,
+            mean: self.mean,
+            second: self.second,
+            third: self.third,
+            fourth: self.fourth,
+            largest: self.largest,
+        }
+    }
+
     /// Those of one component, which exists.
     pub(super) fn component(&self, k: usize) -> Moments<f64> {
         Moments {

@@ -180,13 +180,52 @@ impl Tolerance {
             let missed = error == 0.0 && varied;
             self.admits(error, if missed { 0.0 } else { size })
         };
-        let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        self.judge(mean, error, small)
+    }
+
+    /// Whether a value with this error in each component is good enough.
+    pub(crate) fn admits_value(&self, value: &[f64], error: &[f64]) -> bool {
+        self.judge(value, error, |error, size| self.admits(error, size))
+    }
+
+    fn judge(&self, value: &[f64], error: &[f64], small: impl Fn(f64, f64) -> bool) -> bool {
         match self.measure {
-            Measure::Each => (0..V::Components::COUNT).all(|k| small(error[k], mean[k].abs())),
-            Measure::Component(k) => k < mean.len() && small(error[k], mean[k].abs()),
-            Measure::Norm => small(norm(error), norm(mean)),
+            Measure::Each => (value.iter().zip(error)).all(|(v, e)| small(*e, v.abs())),
+            Measure::Component(k) => k < value.len() && small(error[k], value[k].abs()),
+            Measure::Norm => small(norm(error), norm(value)),
         }
     }
+
+    /// What an error in each component of this value weighs against the others:
+    /// the inverse of what is admitted.
+    pub(crate) fn weights<C: Components>(&self, value: &C) -> C {
+        let mut weights = C::ZERO;
+        let admitted = |v: &f64| self.absolute.max(self.relative * v.abs());
+        let most = value.as_ref().iter().map(admitted).fold(0.0, f64::max);
+        for (k, (weight, v)) in (weights.as_mut().iter_mut().zip(value.as_ref())).enumerate() {
+            *weight = match self.measure {
+                Measure::Each if C::COUNT > 1 && most > 0.0 => {
+                    let admitted = admitted(v);
+                    1.0 / if admitted > 0.0 { admitted } else { most }
+                }
+                Measure::Component(only) if only != k => 0.0,
+                _ => 1.0,
+            };
+        }
+        weights
+    }
+
+    /// How much an error weighs: by its worst component, or its norm.
+    pub(crate) fn weigh(&self, weights: &[f64], error: &[f64]) -> f64 {
+        match self.measure {
+            Measure::Norm => norm(error),
+            _ => (weights.iter().zip(error)).fold(0.0, |most, (w, e)| (w * e).max(most)),
+        }
+    }
+}
+
+fn norm(v: &[f64]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]
@@ -207,6 +246,37 @@ mod tests {
         let norm = Tolerance::relative(0.15).unwrap().of(Measure::Norm);
         assert!(norm.is_met_by(&e));
         assert!(Tolerance::either(1.0, 0.1).unwrap().is_met_by(&e));
+    }
+
+    /// By what is admitted, by one component, or by the norm.
+    #[test]
+    fn errors_weigh_by_the_measure() {
+        let weigh =
+            |t: Tolerance, value: [f64; 3], error: [f64; 3]| t.weigh(&t.weights(&value), &error);
+        let t = Tolerance::relative(0.5).unwrap();
+        let (value, error) = ([4.0, -1.0, 0.0], [3.0, 1.0, 0.25]);
+        // Nothing is admitted for a value of 0: as much as for the largest.
+        assert_eq!(t.weights(&value), [0.5, 2.0, 0.5]);
+        assert_eq!(weigh(t, value, error), 2.0);
+        assert_eq!(weigh(t.of(Measure::Component(2)), value, error), 0.25);
+        assert_eq!(weigh(t.of(Measure::Norm), value, [2.0, 3.0, 6.0]), 7.0);
+        let either = Tolerance::either(2.0, 0.5).unwrap();
+        assert_eq!(either.weights(&[8.0, 1.0, 0.0]), [0.25, 0.5, 0.5]);
+        assert_eq!(t.weights(&[0.0, 0.0]), [1.0, 1.0]);
+        assert_eq!(t.weights(&[1e-300]), [1.0]);
+    }
+
+    #[test]
+    fn a_value_without_samples_is_judged_alike() {
+        let t = Tolerance::relative(0.1).unwrap();
+        assert!(t.admits_value(&[10.0, -1.0], &[1.0, 0.1]));
+        assert!(!t.admits_value(&[10.0, -1.0], &[1.0, 0.11]));
+        assert!(
+            t.of(Measure::Component(0))
+                .admits_value(&[10.0, 0.0], &[1.0, 5.0])
+        );
+        assert!(t.of(Measure::Norm).admits_value(&[10.0, 0.0], &[0.6, 0.8]));
+        assert!(!t.admits_value(&[0.0], &[0.0]) && t.admits_value(&[1.0], &[0.0]));
     }
 
     #[test]

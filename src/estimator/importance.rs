@@ -38,8 +38,8 @@ use crate::value::Value;
 /// Computations* (1953).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Importance<F, P> {
-    integrand: F,
-    pdf: P,
+    pub(super) integrand: F,
+    pub(super) pdf: P,
 }
 
 impl<F, P: Pdf> Importance<F, P> {
@@ -65,7 +65,7 @@ impl<F, P: Pdf> Importance<F, P> {
 
 /// value/density, NaN where the density is not positive and finite.
 #[inline]
-fn weigh<V: Value>(value: V, density: f64) -> V::Wide {
+pub(super) fn weigh<V: Value>(value: V, density: f64) -> V::Wide {
     // Both bounds in one comparison: as integers, the floats from the smallest
     // positive one to the largest are 1 ..= MAX, and all others lie above.
     if density.to_bits().wrapping_sub(1) < f64::MAX.to_bits() {
@@ -83,7 +83,7 @@ fn not_a_density<V: Value>(value: V) -> V::Wide {
 }
 
 /// Where the pdf goes from the coordinates of `u`.
-fn locate<P: Pdf>(pdf: &P, u: &mut impl Coordinates) -> Location {
+pub(super) fn locate<P: Pdf>(pdf: &P, u: &mut impl Coordinates) -> Location {
     let Sample { point, density } = pdf.sample(P::Unit::read(u));
     Location {
         point: Some(format!("{point:?}")),

@@ -1,12 +1,36 @@
 //! One realisation: what a single point of the unit cube says about the
 //! integral.
 
+mod antithetic;
+mod control_variates;
+mod controlled;
+mod density_controls;
+mod events;
+mod fixed_coefficients;
 mod from_fn;
+mod heuristic;
 mod importance;
+mod mapped;
+mod multi_sample;
+mod multiple_importance;
+mod one_sample;
 mod primary;
 
+pub use antithetic::Antithetic;
+pub use control_variates::ControlVariates;
+pub use controlled::{Controlled, ControlsError};
+pub use density_controls::DensityControls;
+pub use events::{Event, Unweighted, UnweightedError};
+pub use fixed_coefficients::FixedCoefficients;
 pub use from_fn::FromFn;
+pub use heuristic::{Exponent, ExponentError, Heuristic};
+use importance::weigh;
 pub use importance::{Importance, TryImportance};
+pub use mapped::Mapped;
+pub(crate) use mapped::through;
+pub use multi_sample::{MultiSample, MultiSampleError};
+pub use multiple_importance::{Combination, Draw, MultipleImportance};
+pub use one_sample::{OneSample, OneSampleError};
 pub use primary::primary_estimates;
 
 use core::convert::Infallible;

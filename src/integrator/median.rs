@@ -43,7 +43,8 @@ impl<E: TryEstimator, S: Randomize> RandomizedQmc<E, S> {
     /// about as spread as they look and the median is the worse of the two: for
     /// normal ones its variance is π/2 times that of the mean. And it is
     /// *biased* where their distribution is skewed: rare large ȳᵣ belong to the
-    /// integral, and the median leaves them out.
+    /// integral, and the median leaves them out. Where the integrand is 0 or 1, ȳᵣ
+    /// takes so few values that it is chance which of the two is closer.
     ///
     /// The interval is for the median of the distribution of ȳᵣ, whatever that
     /// distribution is. It covers the integral only where that median is the

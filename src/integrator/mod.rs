@@ -1,14 +1,20 @@
 //! Spends a budget of samples, pass by pass.
 
+mod controlled_estimate;
+mod controlled_monte_carlo;
 mod median;
 mod monte_carlo;
 mod plan;
 mod randomized_qmc;
+mod regression;
 mod sample_block;
 mod sample_error;
 mod strata;
 mod stratified_monte_carlo;
+mod vegas;
 
+pub use controlled_estimate::ControlledEstimate;
+pub use controlled_monte_carlo::ControlledMonteCarlo;
 pub use median::Median;
 pub use monte_carlo::MonteCarlo;
 pub use randomized_qmc::{RandomizedQmc, RandomizedQmcError, ReplicateError};
@@ -19,6 +25,7 @@ pub(crate) use sample_block::sample_block;
 pub(crate) use sample_error::Failure;
 pub use sample_error::{Cause, SampleError};
 pub use stratified_monte_carlo::StratifiedMonteCarlo;
+pub use vegas::{Consistency, Learning, Vegas, VegasError, VegasPass};
 
 use core::ops::ControlFlow;
 
@@ -42,7 +49,8 @@ pub trait Integrator {
     /// How many samples it has taken in all.
     fn spent(&self) -> u64;
 
-    /// The fewest samples that the next pass takes.
+    /// The fewest samples that the next pass takes; `u64::MAX` if there is none,
+    /// its points being used up.
     fn smallest_pass(&self) -> u64;
 
     /// Plans the next pass, of at most `budget` samples, and returns the number

@@ -34,8 +34,11 @@ use crate::value::{Components, Value};
 /// A run doubles n, keeping the points that it has, as far as the budget pays
 /// for R times as many and the sampler has
 /// [complete](crate::sampler::Randomize::complete) sets of them: a budget of
-/// 1,000 for each replicate of a lattice buys 512
-/// ([`points`](Self::points)). All replicates have the same n; what an
+/// 1,000 for each replicate of a lattice buys 512 ([`points`](Self::points)), and
+/// leaves the rest ([`unspent`](crate::run::Finished::unspent)). Where the
+/// sampler has no more, the run ends by
+/// [`Reason::Points`](crate::run::Reason::Points).
+/// All replicates have the same n; what an
 /// interrupted pass has taken waits for the next run. A sample that fails ends
 /// its pass, whose other samples are lost: the answer stays that of n points,
 /// and running again meets the same sample.
@@ -47,8 +50,10 @@ use crate::value::{Components, Value};
 ///
 /// let estimator = Importance::new(|x: f64| x.exp(), Interval::new(0.0, 1.0)?);
 /// let mut integrator = RandomizedQmc::new(estimator, Lattice::new(1, 7)?.baker(), 16)?;
-/// let e = run(&mut integrator, &Serial, &Stop::samples(20_000))?.answer;
+/// let finished = run(&mut integrator, &Serial, &Stop::samples(20_000))?;
+/// let e = finished.answer;
 /// assert_eq!((integrator.points(), e.samples()), (1_024, 16_384));
+/// assert_eq!(finished.unspent, Some(20_000 - 16_384));
 /// // Independent samples would have an error of 0.49/√16384 = 0.004.
 /// assert!(e.standard_error < 1e-6);
 /// assert!((e.mean - (1_f64.exp() - 1.0)).abs() < 10.0 * e.standard_error);
@@ -222,8 +227,9 @@ impl<E: TryEstimator, S: Randomize> Integrator for RandomizedQmc<E, S> {
         if self.begun > 0 {
             return self.missing();
         }
-        let next = self.following(u64::MAX).unwrap_or(u64::MAX);
-        (next - self.points).saturating_mul(self.count())
+        self.following(u64::MAX).map_or(u64::MAX, |next| {
+            (next - self.points).saturating_mul(self.count())
+        })
     }
 
     fn plan(&mut self, budget: u64) -> u64 {

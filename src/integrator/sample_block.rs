@@ -23,7 +23,7 @@ pub enum NonFinite {
 const SLICE: usize = 256;
 
 /// Takes the primary estimates of a block, in order, into `moments`, and shows
-/// each slice of them to `see`.
+/// each slice of them to `see`, as far as there is nothing to refuse.
 #[inline]
 pub(crate) fn sample_block<S: Sampler, E: TryEstimator>(
     sampler: &S,
@@ -56,6 +56,7 @@ pub(crate) fn sample_block<S: Sampler, E: TryEstimator>(
             NonFinite::SetAside => moments.push_all(slice),
             NonFinite::Refuse => {
                 if let Some(bad) = moments.push_while_finite(slice) {
+                    see(&slice[..bad]);
                     return Err(fail(done + bad as u64, Cause::NonFinite(slice[bad])));
                 }
             }

@@ -11,11 +11,13 @@ pub(super) struct Strata<V: Value> {
     /// Σ ȳₘ, over `count` strata.
     means: V::Components,
     count: u64,
-    /// Σ of estimates of the covariance of a ȳₘ, over `terms` of them, and the
-    /// squares of its diagonal, for the degrees of freedom.
+    /// Σ of estimates of the covariance of a ȳₘ, over `terms` of them.
     covariances: <V::Components as Components>::Matrix,
-    squares: V::Components,
     terms: u64,
+    /// For the degrees of freedom: Σ ν, and Σ v²/(ν + 2) of the variances v on
+    /// the diagonal, since E v² is their square times (ν + 2)/ν.
+    freedom: f64,
+    squares: V::Components,
     /// Of strata of one sample each: the means at either end, for the pair with
     /// what comes before and after.
     ends: Option<Ends<V::Components>>,
@@ -39,8 +41,9 @@ impl<V: Value> Default for Strata<V> {
             means: V::Components::ZERO,
             count: 0,
             covariances: V::Components::ZERO_MATRIX,
-            squares: V::Components::ZERO,
             terms: 0,
+            freedom: 0.0,
+            squares: V::Components::ZERO,
             ends: None,
             moments: Moments::new(),
         }
@@ -59,6 +62,7 @@ impl<V: Value> Merge for Strata<V> {
         }
         self.count += right.count;
         self.terms += right.terms;
+        self.freedom += right.freedom;
         self.moments.merge(right.moments);
         if let Some(ends) = right.ends {
             self.join(ends);
@@ -67,17 +71,19 @@ impl<V: Value> Merge for Strata<V> {
 }
 
 impl<V: Value> Strata<V> {
-    /// Adds a covariance whose element (k, l) is f(k, l).
+    /// Adds a covariance whose element (k, l) is f(k, l), of ν degrees of
+    /// freedom; given with 1/(ν + 2).
     #[inline]
-    fn add_covariance(&mut self, f: impl Fn(usize, usize) -> f64) {
+    fn add_covariance(&mut self, (nu, weight): (f64, f64), f: impl Fn(usize, usize) -> f64) {
         for k in 0..V::Components::COUNT {
             for l in 0..=k {
                 self.covariances.as_mut()[k].as_mut()[l] += f(k, l);
             }
             let variance = f(k, k);
-            self.squares.as_mut()[k] += variance * variance;
+            self.squares.as_mut()[k] += variance * variance * weight;
         }
         self.terms += 1;
+        self.freedom += nu;
     }
 
     /// Adds the pair of neighbours where strata of one sample each meet those
@@ -90,7 +96,7 @@ impl<V: Value> Strata<V> {
         };
         if let (false, Some(a), Some(b)) = (right.begins_row, left.last, right.first) {
             let d = |k: usize| b.as_ref()[k] - a.as_ref()[k];
-            self.add_covariance(|k, l| 0.5 * d(k) * d(l));
+            self.add_covariance((1.0, 1.0 / 3.0), |k, l| 0.5 * d(k) * d(l));
         }
         self.ends = Some(Ends {
             last: right.last,
@@ -98,26 +104,25 @@ impl<V: Value> Strata<V> {
         });
     }
 
-    /// Adds a stratum of n samples, given (1/n, 1/n(n − 1)), and returns its
-    /// mean.
+    /// Adds a stratum of n samples, given the numbers that go with n, and returns
+    /// its mean.
     #[inline]
-    fn add(&mut self, stratum: &Stratum<V>, n: u64, (inverse, scale): (f64, f64)) -> V::Components {
-        let mean = stratum.mean(inverse);
+    pub(super) fn add(&mut self, stratum: &Stratum<V>, scales: Scales) -> V::Components {
+        let mean = stratum.mean(scales.inverse);
         for (sum, m) in self.means.as_mut().iter_mut().zip(mean.as_ref()) {
             *sum += m;
         }
         self.count += 1;
-        if n > 1 {
-            let (first, second) = (&stratum.first, &stratum.second);
-            self.add_covariance(|k, l| {
-                let product = first.as_ref()[k] * first.as_ref()[l];
-                (second.as_ref()[k].as_ref()[l] - product * inverse) * scale
+        if scales.freedom > 0.0 {
+            self.add_covariance((scales.freedom, scales.weight), |k, l| {
+                stratum.covariance(k, l, scales)
             });
         }
         mean
     }
 
-    pub(super) fn estimate(&self, per_stratum: u64) -> Option<Estimate<V>> {
+    /// The estimate from all strata, of one sample each or of more.
+    pub(super) fn estimate(&self, source: ErrorSource) -> Option<Estimate<V>> {
         if self.count == 0 {
             return None;
         }
@@ -126,13 +131,12 @@ impl<V: Value> Strata<V> {
         for x in mean.as_mut() {
             *x /= strata;
         }
-        // ν of one term; successive differences overlap, which leaves 2/3.
-        let (nu, share, source) = if per_stratum == 1 {
-            (1.0, 2.0 / 3.0, ErrorSource::NeighbouringStrata)
-        } else {
-            ((per_stratum - 1) as f64, 1.0, ErrorSource::WithinStrata)
+        // Successive differences overlap, which leaves 2/3 of their freedom.
+        let share = match source {
+            ErrorSource::NeighbouringStrata => 2.0 / 3.0,
+            _ => 1.0,
         };
-        let mut freedom = nu * share * self.terms as f64;
+        let mut freedom = share * self.freedom;
         let covariance = (self.terms > 0).then(|| {
             let mut covariance = V::Components::ZERO_MATRIX;
             let scale = 1.0 / (self.terms as f64 * strata);
@@ -140,8 +144,8 @@ impl<V: Value> Strata<V> {
                 let sum = self.covariances.as_ref()[k].as_ref()[k];
                 let square = self.squares.as_ref()[k];
                 if square > 0.0 {
-                    // Welch–Satterthwaite; E s⁴ = σ⁴ (ν + 2)/ν.
-                    freedom = freedom.min(share * (nu + 2.0) * sum * sum / square);
+                    // Welch–Satterthwaite.
+                    freedom = freedom.min(share * sum * sum / square);
                 }
                 for l in 0..=k {
                     let c = self.covariances.as_ref()[k].as_ref()[l] * scale;
@@ -155,15 +159,33 @@ impl<V: Value> Strata<V> {
     }
 }
 
-/// 1/n and 1/n(n − 1), which is not used where n is 1.
-fn scales(n: u64) -> (f64, f64) {
-    let n = n as f64;
-    (1.0 / n, 1.0 / (n * (n - 1.0)))
+/// What a stratum of n samples needs n for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scales {
+    /// 1/n
+    inverse: f64,
+    /// 1/n(n − 1); not used where n is 1.
+    variance: f64,
+    /// ν = n − 1, and 1/(ν + 2).
+    freedom: f64,
+    weight: f64,
+}
+
+impl Scales {
+    pub(super) fn new(n: u64) -> Self {
+        let n = n as f64;
+        Self {
+            inverse: 1.0 / n,
+            variance: 1.0 / (n * (n - 1.0)),
+            freedom: n - 1.0,
+            weight: 1.0 / (n + 1.0),
+        }
+    }
 }
 
 /// Sums over the samples of one stratum, about the first of them.
-#[derive(Clone, Copy)]
-struct Stratum<V: Value> {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stratum<V: Value> {
     origin: V::Components,
     first: V::Components,
     second: <V::Components as Components>::Matrix,
@@ -171,7 +193,7 @@ struct Stratum<V: Value> {
 
 impl<V: Value> Stratum<V> {
     #[inline]
-    const fn new(origin: V::Components) -> Self {
+    pub(super) const fn new(origin: V::Components) -> Self {
         Self {
             origin,
             first: V::Components::ZERO,
@@ -180,7 +202,7 @@ impl<V: Value> Stratum<V> {
     }
 
     #[inline]
-    fn add(&mut self, y: V::Components) {
+    pub(super) fn add(&mut self, y: V::Components) {
         let mut d = y;
         for (d, o) in d.as_mut().iter_mut().zip(self.origin.as_ref()) {
             *d -= o;
@@ -202,12 +224,19 @@ impl<V: Value> Stratum<V> {
         }
         mean
     }
+
+    /// An element of the covariance of ȳₘ.
+    #[inline]
+    pub(super) fn covariance(&self, k: usize, l: usize, scales: Scales) -> f64 {
+        let product = self.first.as_ref()[k] * self.first.as_ref()[l];
+        (self.second.as_ref()[k].as_ref()[l] - product * scales.inverse) * scales.variance
+    }
 }
 
 /// Follows the strata through a block.
 pub(super) struct Walk<V: Value> {
     per_stratum: u64,
-    scales: (f64, f64),
+    scales: Scales,
     /// Strata in a row along the fastest axis; how many of the current one are
     /// done.
     row: u64,
@@ -223,7 +252,7 @@ impl<V: Value> Walk<V> {
         let row = grid.row();
         Self {
             per_stratum: grid.per_stratum(),
-            scales: scales(grid.per_stratum()),
+            scales: Scales::new(grid.per_stratum()),
             row,
             in_row: start / grid.per_stratum() % row,
             seen: 0,
@@ -251,7 +280,7 @@ impl<V: Value> Walk<V> {
                 for y in &samples[1..] {
                     stratum.add(y.components());
                 }
-                sums.add(&stratum, n as u64, self.scales);
+                sums.add(&stratum, self.scales);
             }
             *strata = sums;
         }
@@ -282,9 +311,9 @@ impl<V: Value> Walk<V> {
             let scales = if self.finite == self.per_stratum {
                 self.scales
             } else {
-                scales(self.finite)
+                Scales::new(self.finite)
             };
-            strata.add(&self.stratum, self.finite, scales)
+            strata.add(&self.stratum, scales)
         });
         if self.per_stratum == 1 {
             strata.join(Ends {

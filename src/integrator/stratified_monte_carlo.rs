@@ -7,7 +7,7 @@ use super::sample_block::{is_finite, sample_block};
 use super::sample_error::Failure;
 use super::strata::{Strata, Walk};
 use super::{Integrator, NonFinite, SampleError};
-use crate::estimate::{Estimate, Moments, Tolerance};
+use crate::estimate::{ErrorSource, Estimate, Moments, Tolerance};
 use crate::estimator::TryEstimator;
 use crate::merge::Merge;
 use crate::sampler::{Iid, Independent, Stratified};
@@ -196,7 +196,10 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
     }
 
     fn answer(&self) -> Option<Self::Answer> {
-        self.done.estimate(self.grid.per_stratum())
+        self.done.estimate(match self.grid.per_stratum() {
+            1 => ErrorSource::NeighbouringStrata,
+            _ => ErrorSource::WithinStrata,
+        })
     }
 }
 

@@ -1,10 +1,8 @@
 //! A weighted sum of pdfs.
 
-use core::fmt::Debug;
-
 use super::given::given;
 use super::weights::{WeightsError, accumulate};
-use super::{Pdf, Sample};
+use super::{Pdf, Sample, Techniques};
 use crate::sampler::UnitPoint;
 
 /// One of several pdfs on the same domain, picked with probability proportional
@@ -38,7 +36,10 @@ use crate::sampler::UnitPoint;
 ///
 /// The density is that of the whole mixture, whichever component was picked:
 /// the one-sample model with the balance heuristic. A mixture with one wide
-/// component bounds f/p where the others fall off.
+/// component bounds f/p where the others fall off. For other heuristics,
+/// components that read different numbers of coordinates, and a fixed number of
+/// samples of each, see
+/// [`MultipleImportance`](crate::estimator::MultipleImportance).
 ///
 /// Source: Veach, *Robust Monte Carlo Methods for Light Transport Simulation*
 /// (1997), §9.2.4; Owen & Zhou, *Safe and effective importance sampling*
@@ -51,39 +52,26 @@ pub struct Mixture<C, const N: usize> {
     steps: [f64; N],
 }
 
-/// N pdfs that read the same kind of unit point and make the same kind of
-/// point: `[P; N]`, or `(A, B)`.
-pub trait MixtureComponents<const N: usize> {
+/// [`Techniques`] that read the same kind of unit point: `[P; N]`, or `(A, B)`.
+pub trait MixtureComponents<const N: usize>: Techniques<N> {
     /// What each of them reads.
     type Unit: UnitPoint;
-    /// What each of them makes of it.
-    type Point: Debug;
 
     /// The point that u belongs to under the component of this index.
     fn point(&self, index: usize, u: Self::Unit) -> Self::Point;
-
-    /// pᵢ(x) for every i.
-    fn densities(&self, x: &Self::Point) -> [f64; N];
 }
 
 impl<P: Pdf, const N: usize> MixtureComponents<N> for [P; N] {
     type Unit = P::Unit;
-    type Point = P::Point;
 
     #[inline]
     fn point(&self, index: usize, u: P::Unit) -> P::Point {
         self[index].sample(u).point
     }
-
-    #[inline]
-    fn densities(&self, x: &P::Point) -> [f64; N] {
-        self.each_ref().map(|p| p.density(x))
-    }
 }
 
 impl<A: Pdf, B: Pdf<Unit = A::Unit, Point = A::Point>> MixtureComponents<2> for (A, B) {
     type Unit = A::Unit;
-    type Point = A::Point;
 
     #[inline]
     fn point(&self, index: usize, u: A::Unit) -> A::Point {
@@ -92,11 +80,6 @@ impl<A: Pdf, B: Pdf<Unit = A::Unit, Point = A::Point>> MixtureComponents<2> for 
         } else {
             self.1.sample(u).point
         }
-    }
-
-    #[inline]
-    fn densities(&self, x: &A::Point) -> [f64; 2] {
-        [self.0.density(x), self.1.density(x)]
     }
 }
 

@@ -4,6 +4,7 @@
 //! doc of each names the measure of its density: length, area, volume, solid
 //! angle, projected solid angle, or counting.
 
+mod adaptive_grid;
 mod cauchy;
 mod cdf;
 mod cone;
@@ -16,6 +17,8 @@ mod disk;
 mod exponential;
 mod gauss;
 mod given;
+mod grid_error;
+mod grid_histogram;
 mod interval;
 mod inverse_cdf;
 mod linear;
@@ -29,19 +32,23 @@ mod piecewise_constant_2d;
 mod piecewise_linear;
 mod power;
 mod product;
+mod rebin;
 mod solve;
 mod sphere;
 mod spherical;
 mod standard_normal;
 mod statrs_adapter;
 mod tails;
+mod techniques;
 mod tent;
+mod through;
 mod triangle;
 mod truncated_normal;
 mod uniform_hemisphere;
 mod unit_cube;
 mod weights;
 
+pub use adaptive_grid::{AdaptiveGrid, GridNode};
 pub use cauchy::{Cauchy, CauchyError};
 pub use cone::{UniformCone, UniformConeError};
 pub use cosine_hemisphere::CosineHemisphere;
@@ -51,6 +58,8 @@ pub use discrete::Discrete;
 pub use discrete_cdf::DiscreteCdf;
 pub use disk::{ConcentricDisk, ConcentricDiskError};
 pub use exponential::{Exponential, ExponentialError};
+pub use grid_error::AdaptiveGridError;
+pub use grid_histogram::GridHistogram;
 pub use interval::{Interval, IntervalError};
 pub use inverse_cdf::{InverseCdf, InverseCdfError};
 pub use linear::{Linear, LinearError};
@@ -64,7 +73,9 @@ pub use piecewise_linear::{PiecewiseLinear1D, PiecewiseLinearError};
 pub use power::{Power, PowerError};
 pub use sphere::UniformSphere;
 pub use statrs_adapter::{Statrs, StatrsError};
+pub use techniques::Techniques;
 pub use tent::{Tent, TentError};
+pub use through::Through;
 #[cfg(feature = "render")]
 pub(crate) use triangle::fold;
 pub use triangle::{UniformTriangle, UniformTriangleError};

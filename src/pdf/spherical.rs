@@ -42,16 +42,10 @@ fn sin_cos_turn(t: f64) -> (f64, f64) {
     let sin = r * (SIN[0] + tail * x2);
     let high = pair(&COS, 5) + COS[7] * x4;
     let cos = COS[0] + (pair(&COS, 1) + pair(&COS, 3) * x4 + high * (x4 * x4)) * x2;
-    let (sin, cos) = if nearest & 1 == 0 {
-        (sin, cos)
-    } else {
-        (cos, -sin)
-    };
-    if nearest & 2 == 0 {
-        (sin, cos)
-    } else {
-        (-sin, -cos)
-    }
+    // Looked up, not branched to: quarters are hard to foretell.
+    let after = [sin, cos, -sin, -cos];
+    let quarter = nearest as usize;
+    (after[quarter % 4], after[(quarter + 1) % 4])
 }
 
 /// (sin θ cos φ, sin θ sin φ, cos θ), with φ = 2π `turn`.

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use crate::estimate::ToleranceError;
 use crate::pdf::IntervalError;
 
 /// Why a quadrature refused. `X` is the type of the integrand's points.
@@ -26,6 +27,21 @@ pub enum QuadratureError<X = f64> {
         /// The budget, which is less than Nᵏ.
         budget: u64,
     },
+    /// The domain has no coordinates, or more than 15: an adaptive rule
+    /// evaluates each box at its 2ⁿ corners.
+    Dimensions(usize),
+    /// An adaptive rule takes more evaluations for its first box than the
+    /// budget allows.
+    FirstBox {
+        /// Evaluations in a box.
+        cost: u64,
+        /// The budget, which is less than that.
+        budget: u64,
+    },
+    /// The tolerance is for a component that the integrand does not have.
+    Tolerance(ToleranceError),
+    /// All values are finite, but their integral is not.
+    Overflow,
 }
 
 impl<X: fmt::Debug> fmt::Display for QuadratureError<X> {
@@ -52,6 +68,15 @@ impl<X: fmt::Debug> fmt::Display for QuadratureError<X> {
                      = {cost} evaluations, above the budget of {budget}"
                 )
             }
+            Self::Dimensions(n) => {
+                write!(f, "adaptive rules take 1 to 15 dimensions, not {n}")
+            }
+            Self::FirstBox { cost, budget } => write!(
+                f,
+                "the first box takes {cost} evaluations, above the budget of {budget}"
+            ),
+            Self::Tolerance(e) => e.fmt(f),
+            Self::Overflow => f.write_str("the integral overflows"),
         }
     }
 }
@@ -61,6 +86,12 @@ impl<X: fmt::Debug> core::error::Error for QuadratureError<X> {}
 impl<X> From<IntervalError> for QuadratureError<X> {
     fn from(error: IntervalError) -> Self {
         Self::Range(error)
+    }
+}
+
+impl<X> From<ToleranceError> for QuadratureError<X> {
+    fn from(error: ToleranceError) -> Self {
+        Self::Tolerance(error)
     }
 }
 

@@ -5,14 +5,24 @@
 //! multiplies it over dimensions, at Nᵏ evaluations, which is where Monte
 //! Carlo takes over. [`primary_estimates`] shows the cells one by one.
 //!
+//! [`adaptive`] cuts the domain where the integrand asks for it, in up to 15
+//! dimensions: what to use first where the integrand is smooth.
+//!
 //! The nodes are where they are: what an integrand does between them is never
 //! seen, and no count of evaluations tells.
 
+mod adaptive;
 mod composite;
 mod error;
+mod found;
+mod kronrod;
+mod orbit;
+mod regions;
 mod rule;
+mod symmetric;
 mod tensor;
 
+pub use adaptive::{Adaptive, Cubature, Degree, Region, adaptive};
 pub use composite::{Quadrature, composite, halving, primary_estimates};
 pub use error::QuadratureError;
 pub use rule::{Node, Rule, RuleError};

@@ -41,6 +41,14 @@ pub enum FilmError {
     Pilot(u64),
     /// The sampler's point set would have no point.
     NoPoints,
+    /// The sampler has no complete set of so many points: of a grid, part of the
+    /// pixel would be left out.
+    Incomplete {
+        /// The points asked for.
+        points: u64,
+        /// The next number below of which there is one.
+        complete: u64,
+    },
     /// Fewer than 8 replicates: too few to judge an error by.
     Replicates(u64),
 }
@@ -65,6 +73,11 @@ impl fmt::Display for FilmError {
             ),
             Self::Pilot(n) => write!(f, "a pilot takes at least 2 samples a pixel, not {n}"),
             Self::NoPoints => write!(f, "point sets of 0 points were asked for"),
+            Self::Incomplete { points, complete } => write!(
+                f,
+                "sets of {points} points were asked for; the sampler's largest complete one up to \
+                 there has {complete}"
+            ),
             Self::Replicates(n) => write!(f, "an error takes at least 8 replicates, not {n}"),
         }
     }

@@ -80,7 +80,7 @@ impl Scene {
     ///
     /// If there is no such primitive.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn sample_light(
         &self,
         primitive: usize,

@@ -10,7 +10,6 @@ mod error;
 mod film;
 mod film_error;
 mod frame;
-mod heuristic;
 mod image;
 mod light;
 #[cfg(feature = "png")]
@@ -32,7 +31,6 @@ pub use error::RenderError;
 pub use film::Film;
 pub use film_error::{FilmError, PixelError};
 pub use frame::Frame;
-pub use heuristic::Heuristic;
 pub use image::{Image, Pixel};
 pub use light::{LightPoints, LightSample, solid_angle_density};
 pub use radiance::{Along, Radiance, Seen};
@@ -44,3 +42,5 @@ pub use surface::{Directions, Scatter, Surface, SurfaceError};
 pub use technique::{Choice, Direct, Layout, Lights, Roulette, Technique, TechniqueError};
 pub use tiles::FilmPartial;
 pub use window::{Window, WindowStream};
+
+pub use crate::estimator::Heuristic;

@@ -3,7 +3,10 @@
 use glam::{BVec3, DVec3};
 
 use super::scene::Way;
-use super::{Camera, Choice, Direct, Hit, Lights, Ray, Scene, Surface, Technique, TechniqueError};
+use super::{
+    Camera, Choice, Direct, Lights, Primitive, Ray, Scene, Surface, SurfacePoint, Technique,
+    TechniqueError,
+};
 use crate::estimator::{Estimator, FromFn};
 use crate::pdf::Pdf;
 use crate::sampler::Coordinates;
@@ -87,6 +90,9 @@ impl<'a> Radiance<'a> {
 
     /// One path, or a tree of them, depth first: where further rays are to go on
     /// is kept for later. A single path keeps nothing.
+    // What a vertex takes is `inline(always)`, here and in the shapes: a program
+    // with several samplers would call what does not depend on them, and hand
+    // vectors over through memory, which takes a fifth of the time.
     #[inline]
     fn trace<C: Coordinates>(&self, ray: Ray, u: &mut C) -> Path {
         let mut path = Path::default();
@@ -95,7 +101,7 @@ impl<'a> Radiance<'a> {
             ray,
             throughput: DVec3::ONE,
             vertices: 0,
-            left: None,
+            density: None,
         };
         loop {
             // Looked at where it is: a vertex is large, and a single path moves
@@ -132,20 +138,22 @@ impl<'a> Radiance<'a> {
         }
         let technique = &self.technique;
         path.rays += 1;
-        let Some(hit) = self.intersect(&step.ray, path) else {
+        let Some((distance, primitive)) = self.nearest(&step.ray, path) else {
             path.radiance += step.throughput * self.scene.environment();
             return None;
         };
+        let Primitive { shape, surface, .. } = &self.scene.primitives()[primitive];
+        let point = shape.point_at(&step.ray, distance);
         let outgoing = -step.ray.direction;
-        let emitted = self.scene.emitted(hit.primitive, &hit.point, outgoing);
+        let emitted = self.scene.emitted(primitive, &point, outgoing);
         if emitted != DVec3::ZERO {
-            path.radiance += step.throughput * emitted * self.share_of_hit(step, &hit);
+            path.radiance += step.throughput * emitted * self.share_of_hit(step, primitive, point);
         }
 
         let vertices = step.vertices + 1;
-        let mut here = Vertex::new(self.scene, hit, outgoing, vertices);
+        let mut here = Vertex::new(&point, surface, outgoing, vertices);
         if technique.max_vertices == Some(vertices)
-            || here.surface.is_black()
+            || surface.is_black()
             || step.throughput.max_element() < technique.threshold
         {
             return None;
@@ -161,19 +169,18 @@ impl<'a> Radiance<'a> {
     }
 
     /// One of the rays that go on from a vertex.
-    #[inline]
+    #[inline(always)]
     fn leave<C: Coordinates>(&self, here: &Vertex<'_>, ray: u32, u: &mut C) -> Step {
         let xi = self.technique.layout.point(ray, u);
         let directions = self.technique.directions;
         let scatter = here
             .surface
-            .scatter(directions, here.normal, here.outgoing, xi, u);
-        let from = here.hit.point;
+            .scatter(directions, here.point.normal, here.outgoing, xi, u);
         Step {
-            ray: from.ray(scatter.direction),
+            ray: here.point.ray(scatter.direction),
             throughput: here.share * scatter.weight,
             vertices: here.vertices,
-            left: scatter.density.map(|density| (from.position, density)),
+            density: scatter.density,
         }
     }
 
@@ -184,37 +191,37 @@ impl<'a> Radiance<'a> {
         let is_last = |n| n - step.vertices == 1;
         self.technique.max_vertices.is_some_and(is_last)
             && matches!(self.technique.direct, Direct::Light(_))
-            && step.left.is_some()
+            && step.density.is_some()
             && self.scene.environment() == DVec3::ZERO
     }
 
     /// How much of a light that is hit counts: all of it where it could not
     /// have been sampled.
     #[inline]
-    fn share_of_hit(&self, step: &Step, hit: &Hit) -> f64 {
-        match (self.technique.direct, step.left) {
+    fn share_of_hit(&self, step: &Step, primitive: usize, point: SurfacePoint) -> f64 {
+        match (self.technique.direct, step.density) {
             (Direct::Hit, _) | (_, None) => 1.0,
             (Direct::Light(_), Some(_)) => 0.0,
-            (Direct::Both(lights, heuristic), Some((from, density))) => {
-                let by_light = lights.expected(self.scene, hit.primitive)
+            (Direct::Both(lights, heuristic), Some(density)) => {
+                let by_light = lights.expected(self.scene, primitive)
                     * self
                         .scene
-                        .light_density(hit.primitive, lights.points, from, &hit.point);
+                        .light_density(primitive, lights.points, step.ray.origin, &point);
                 heuristic.weight(f64::from(self.rays) * density, by_light)
             }
         }
     }
 
-    /// What a ray meets; on the way, the shadow ray that waits is traced, for
-    /// neither has to wait for the other.
-    #[inline]
-    fn intersect(&self, ray: &Ray, path: &mut Path) -> Option<Hit> {
+    /// How far a ray goes, and which primitive it meets; on the way, the shadow
+    /// ray that waits is traced, for neither has to wait for the other.
+    #[inline(always)]
+    fn nearest(&self, ray: &Ray, path: &mut Path) -> Option<(f64, usize)> {
         let Some(shadow) = path.shadow.take() else {
-            return self.scene.intersect(ray);
+            return self.scene.nearest(ray);
         };
-        let (hit, seen) = self.scene.intersect_beside(ray, &shadow.way);
+        let (nearest, seen) = self.scene.nearest_beside(ray, &shadow.way);
         path.add(&shadow, seen);
-        hit
+        nearest
     }
 
     /// Traces the shadow ray that waits, if one does.
@@ -241,28 +248,25 @@ impl<'a> Radiance<'a> {
         if here.surface.is_specular() {
             return;
         }
-        let mut send = |light, u: &mut C| {
-            if let Some((light, way)) = self.light(here, lights, light, u) {
-                self.finish(path);
-                path.rays += 1;
-                let light = throughput * light;
-                path.shadow = Some(Shadow { light, way });
+        let Some(by_power) = self.scene.by_power() else {
+            return;
+        };
+        let all = self.scene.lights();
+        let (chosen, samples) = match lights.choice {
+            Choice::All { samples } => (all, samples),
+            Choice::One if all.len() == 1 => (all, 1),
+            Choice::One => {
+                let light = by_power.sample(u.next_1d()).point;
+                (&all[light..=light], 1)
             }
         };
-        match (lights.choice, self.scene.by_power()) {
-            (_, None) => {}
-            (Choice::One, Some(by_power)) => {
-                let light = match self.scene.lights() {
-                    [only] => *only,
-                    lights => lights[by_power.sample(u.next_1d()).point],
-                };
-                send(light, u);
-            }
-            (Choice::All { samples }, Some(_)) => {
-                for &light in self.scene.lights() {
-                    for _ in 0..samples {
-                        send(light, u);
-                    }
+        for &light in chosen {
+            for _ in 0..samples {
+                if let Some((light, way)) = self.light(here, lights, light, u) {
+                    self.finish(path);
+                    path.rays += 1;
+                    let light = throughput * light;
+                    path.shadow = Some(Shadow { light, way });
                 }
             }
         }
@@ -277,21 +281,22 @@ impl<'a> Radiance<'a> {
         light: usize,
         u: &mut C,
     ) -> Option<(DVec3, Way)> {
-        let x = &here.hit.point;
+        let x = &here.point;
         let sample = self
             .scene
             .sample_light(light, lights.points, x.position, u.next_2d());
-        let cos = here.normal.dot(sample.direction);
-        let emitted = self.scene.emitted(light, &sample.point, -sample.direction);
-        if cos <= 0.0 || emitted == DVec3::ZERO {
+        let to = sample.point.position - x.position;
+        // Hard to foretell: one branch for both, before any root is taken.
+        if (x.normal.dot(to) <= 0.0) | (sample.point.normal.dot(to) >= 0.0) {
             return None;
         }
+        let emitted = self.scene.primitives()[light].emission;
         let by_light = lights.expected(self.scene, light) * sample.density;
         let weight = match self.technique.direct {
             Direct::Both(_, heuristic) => {
                 let density = here.surface.density(
                     self.technique.directions,
-                    here.normal,
+                    here.point.normal,
                     here.outgoing,
                     sample.direction,
                 );
@@ -301,9 +306,13 @@ impl<'a> Radiance<'a> {
         };
         let f = here
             .surface
-            .evaluate(here.normal, here.outgoing, sample.direction);
+            .evaluate(here.point.normal, here.outgoing, sample.direction);
+        let cos = x.normal.dot(sample.direction);
         let arriving = f * emitted * (weight * cos / by_light);
-        (arriving != DVec3::ZERO).then(|| (arriving, Way::new(x, &sample.point, sample.distance)))
+        (arriving != DVec3::ZERO).then(|| {
+            let way = Way::new(x, &sample.point, to, sample.distance);
+            (arriving, way)
+        })
     }
 }
 
@@ -337,19 +346,18 @@ struct Step {
     throughput: DVec3,
     /// How many vertices came before.
     vertices: u32,
-    /// Where it left from and with which density per steradian; `None` from a
-    /// camera or a mirror.
-    left: Option<(DVec3, f64)>,
+    /// With which density per steradian it was drawn; `None` from a camera or a
+    /// mirror.
+    density: Option<f64>,
 }
 
 /// A vertex of a path, seen from where the path came.
 #[derive(Clone, Copy)]
 struct Vertex<'a> {
-    hit: Hit,
+    /// With the normal on the side of `outgoing`.
+    point: SurfacePoint,
     surface: &'a Surface,
     outgoing: DVec3,
-    /// The normal on the side of `outgoing`.
-    normal: DVec3,
     /// How many vertices there are up to here.
     vertices: u32,
     /// The throughput that each ray starts with.
@@ -358,17 +366,15 @@ struct Vertex<'a> {
 
 impl<'a> Vertex<'a> {
     #[inline]
-    fn new(scene: &'a Scene, hit: Hit, outgoing: DVec3, vertices: u32) -> Self {
-        let normal = hit.point.normal;
+    fn new(point: &SurfacePoint, surface: &'a Surface, outgoing: DVec3, vertices: u32) -> Self {
+        let normal = point.normal;
         Self {
-            hit,
-            surface: &scene.primitives()[hit.primitive].surface,
-            outgoing,
-            normal: if normal.dot(outgoing) < 0.0 {
-                -normal
-            } else {
-                normal
+            point: SurfacePoint {
+                normal: normal * 1.0_f64.copysign(normal.dot(outgoing)),
+                ..*point
             },
+            surface,
+            outgoing,
             vertices,
             share: DVec3::ZERO,
         }

@@ -84,8 +84,8 @@ impl<E, S: Randomize> RandomizedFilm<E, S> {
     ///
     /// # Errors
     ///
-    /// As [`Film::new`](super::Film::new), `points` is at least 1 and
-    /// `replicates` at least 8.
+    /// As [`Film::new`](super::Film::new), `points` is at least 1,
+    /// [complete](Randomize::complete), and `replicates` at least 8.
     pub fn new(
         estimator: E,
         sampler: S,
@@ -95,6 +95,10 @@ impl<E, S: Randomize> RandomizedFilm<E, S> {
     ) -> Result<Self, FilmError> {
         if points == 0 {
             return Err(FilmError::NoPoints);
+        }
+        let complete = sampler.complete(points);
+        if complete != points {
+            return Err(FilmError::Incomplete { points, complete });
         }
         if replicates < FEWEST {
             return Err(FilmError::Replicates(replicates));

@@ -230,24 +230,26 @@ impl Scene {
     #[must_use]
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        self.hit(ray, self.packed.nearest(ray, f64::INFINITY))
-    }
-
-    #[inline]
-    fn hit(&self, ray: &Ray, nearest: Option<(f64, usize)>) -> Option<Hit> {
-        nearest.map(|(distance, primitive)| Hit {
+        self.nearest(ray).map(|(distance, primitive)| Hit {
             distance,
             point: self.primitives[primitive].shape.point_at(ray, distance),
             primitive,
         })
     }
 
+    /// The distance to what the ray meets first, and its number.
+    #[inline]
+    pub(super) fn nearest(&self, ray: &Ray) -> Option<(f64, usize)> {
+        self.packed.nearest(ray, f64::INFINITY)
+    }
+
     /// V(x, y): whether nothing stands between the two points.
     #[must_use]
     #[inline]
     pub fn visible(&self, x: &SurfacePoint, y: &SurfacePoint) -> bool {
-        let way = (y.position - x.position).length();
-        way == 0.0 || self.is_clear(&Way::new(x, y, way))
+        let to = y.position - x.position;
+        let length = to.length();
+        length == 0.0 || self.is_clear(&Way::new(x, y, to, length))
     }
 
     /// Whether nothing stands in the way.
@@ -256,13 +258,13 @@ impl Scene {
         self.packed.nearest(&way.ray, way.length).is_none()
     }
 
-    /// What the ray meets first, and whether the way is clear: both take hardly
-    /// longer than one of them.
+    /// [`nearest`](Self::nearest), and whether the way is clear: both take
+    /// hardly longer than one of them.
     #[inline]
-    pub(super) fn intersect_beside(&self, ray: &Ray, way: &Way) -> (Option<Hit>, bool) {
+    pub(super) fn nearest_beside(&self, ray: &Ray, way: &Way) -> (Option<(f64, usize)>, bool) {
         let rays = [(ray, f64::INFINITY), (&way.ray, way.length)];
         let [nearest, between] = self.packed.each_nearest(rays);
-        (self.hit(ray, nearest), between.is_none())
+        (nearest, between.is_none())
     }
 
     /// Lₑ at a point of this primitive in the direction `outgoing`.
@@ -288,10 +290,9 @@ pub(super) struct Way {
 }
 
 impl Way {
-    /// From x to y, which are `length` > 0 apart.
+    /// From x to y, which are `length` > 0 apart in this direction.
     #[inline]
-    pub(super) fn new(x: &SurfacePoint, y: &SurfacePoint, length: f64) -> Self {
-        let direction = y.position - x.position;
+    pub(super) fn new(x: &SurfacePoint, y: &SurfacePoint, direction: DVec3, length: f64) -> Self {
         // Over a long way it is the way's rounding that might put y in its own
         // shadow.
         let error = y.error + error_bound(length);

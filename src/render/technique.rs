@@ -124,7 +124,7 @@ impl Layout {
     }
 
     /// The point of the unit square for one of the rays.
-    #[inline]
+    #[inline(always)]
     pub(super) fn point<C: Coordinates>(self, ray: u32, u: &mut C) -> [f64; 2] {
         let cell = |m: u32, n: u32, xi: [f64; 2]| {
             [

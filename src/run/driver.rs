@@ -16,6 +16,10 @@ pub struct Finished<A> {
     pub reason: Reason,
     /// How long this run took.
     pub elapsed: Duration,
+    /// How many samples of the budget were not taken; `None` if there was no
+    /// budget. A net of 1,024 points leaves 976 of 2,000, which are not enough
+    /// for the next.
+    pub unspent: Option<u64>,
 }
 
 impl<A: fmt::Display> fmt::Display for Finished<A> {
@@ -29,8 +33,11 @@ impl<A: fmt::Display> fmt::Display for Finished<A> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Reason {
-    /// The budget is spent, or what is left of it is too little for a pass.
+    /// The budget is spent, or what is left of it
+    /// ([`unspent`](Finished::unspent)) is too little for a pass.
     Samples,
+    /// The sampler has no more points, whatever is left of the budget.
+    Points,
     /// The answer is as good as was asked.
     Tolerance,
     /// Time was up.
@@ -174,7 +181,10 @@ pub fn run_with<I: Integrator>(
                     needed: integrator.smallest_pass(),
                 });
             }
-            break Reason::Samples;
+            break match integrator.smallest_pass() {
+                u64::MAX => Reason::Points,
+                _ => Reason::Samples,
+            };
         }
         let go_on = || !cancelled() && !out_of_time();
         let pass = executor.pass(integrator, blocks, &go_on);
@@ -196,6 +206,9 @@ pub fn run_with<I: Integrator>(
             answer,
             reason,
             elapsed: start.elapsed(),
+            unspent: stop
+                .samples
+                .map(|budget| budget.saturating_sub(integrator.spent())),
         }),
         None => Err(RunError::NoAnswer {
             reason,

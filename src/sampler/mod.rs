@@ -5,6 +5,7 @@
 //! [`Coordinates`] of a block give one point after the other, each read a
 //! coordinate at a time, as many as it needs.
 
+mod adaptive_strata;
 mod halton;
 mod independent;
 mod latin_hypercube;
@@ -17,6 +18,7 @@ mod sobol;
 mod stratified;
 mod unit_point;
 
+pub use adaptive_strata::{AdaptiveStrata, AdaptiveStrataError, AdaptiveStrataStream};
 pub use halton::{Halton, HaltonError, HaltonStream};
 pub use independent::{Independent, IndependentStream};
 pub use latin_hypercube::{LatinHypercube, LatinHypercubeError, LatinHypercubeStream};

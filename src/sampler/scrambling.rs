@@ -70,10 +70,14 @@ struct Affine {
 /// ([`DigitPermutations`]), or another thing after other digits
 /// ([`NestedScrambling`]).
 pub trait Scrambling: Clone + Debug + sealed::Sealed {
+    /// What a point leaves on an axis for the one that follows it.
+    #[doc(hidden)]
+    type Kept: Clone + Debug + Default;
+
     /// The digits of `index` on `axis`, reversed and scrambled, as a number
     /// below b^L, and what follows them, in [0, 1).
     #[doc(hidden)]
-    fn digits(&self, axis: usize, base: &Base, index: u64) -> (u64, f64);
+    fn digits(&self, axis: usize, base: &Base, index: u64, kept: &mut Self::Kept) -> (u64, f64);
 }
 
 /// A scrambling that is drawn at random.
@@ -93,16 +97,38 @@ mod sealed {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Unscrambled;
 
+/// A number whose digits were reversed, and the result.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Reversed {
+    /// One more than the number; 0 before there is any.
+    next: u64,
+    digits: u64,
+}
+
 impl Scrambling for Unscrambled {
+    type Kept = Reversed;
+
     #[inline]
-    fn digits(&self, _: usize, base: &Base, index: u64) -> (u64, f64) {
-        let (mut rest, mut reversed) = (index, 0);
-        for _ in 0..base.digits {
-            let (quotient, digit) = base.split(rest);
-            reversed = reversed * base.base + digit;
-            rest = quotient;
+    fn digits(&self, _: usize, base: &Base, index: u64, kept: &mut Reversed) -> (u64, f64) {
+        if index == kept.next && index > 0 {
+            // The first digit below b − 1 grows, those before it become 0.
+            let left = base.power - kept.digits;
+            let mut weight = base.split(base.power).0;
+            while weight >= left {
+                weight = base.split(weight).0;
+            }
+            kept.digits = (base.base + 1) * weight - left;
+        } else {
+            let mut rest = index;
+            kept.digits = 0;
+            for _ in 0..base.digits {
+                let (quotient, digit) = base.split(rest);
+                kept.digits = kept.digits * base.base + digit;
+                rest = quotient;
+            }
         }
-        (reversed, 0.0)
+        kept.next = index + 1;
+        (kept.digits, 0.0)
     }
 }
 
@@ -115,7 +141,9 @@ impl Scrambling for Unscrambled {
 /// Any two different digits become any two different digits, equally likely.
 /// The variance of an estimate depends on pairs of points alone, hence on pairs
 /// of digits: it is, for every integrand, that of permutations drawn from all
-/// b!.
+/// b!. How errors are distributed about it is not: fewer points than b₁ b₂ still
+/// lie on lines, other ones each time, where most permutations leave no trace of
+/// any.
 ///
 /// Source: Matoušek, *On the L₂-Discrepancy for Anchored Boxes* (1998), for
 /// permutations of this form.
@@ -132,24 +160,54 @@ struct Place {
     affine: Affine,
     /// b^(L−1−l).
     weight: u64,
-    /// Σ π(0) b^(L−1−j) over this place and those that follow.
-    zeros: u64,
+}
+
+/// A number whose digits were permuted, those digits, and what they add up to.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Permuted {
+    /// One more than the number; 0 before there is any.
+    next: u64,
+    sum: u64,
+    /// As many as base 2 has; all bases are below 2¹⁶.
+    digits: [u16; 32],
 }
 
 impl Scrambling for DigitPermutations {
+    type Kept = Permuted;
+
     #[inline]
-    fn digits(&self, axis: usize, base: &Base, index: u64) -> (u64, f64) {
+    fn digits(&self, axis: usize, base: &Base, index: u64, kept: &mut Permuted) -> (u64, f64) {
         let (begin, below) = self.axes[axis];
-        let (mut rest, mut sum) = (index, 0);
-        for place in &self.places[begin..begin + base.digits as usize] {
-            if rest == 0 {
-                return (sum + place.zeros, below);
+        let places = &self.places[begin..begin + base.digits as usize];
+        if index == kept.next && index > 0 {
+            for (place, digit) in places.iter().zip(&mut kept.digits) {
+                // a (d + 1) + c mod b, also where d + 1 = b counts as 0.
+                let old = u64::from(*digit);
+                let sum = old + place.affine.factor;
+                let new = if sum < base.base {
+                    sum
+                } else {
+                    sum - base.base
+                };
+                *digit = new as u16;
+                kept.sum = kept.sum + new * place.weight - old * place.weight;
+                if new != place.affine.term {
+                    break;
+                }
             }
-            let (quotient, digit) = base.split(rest);
-            sum += base.permuted(place.affine, digit) * place.weight;
-            rest = quotient;
+        } else {
+            let mut rest = index;
+            kept.sum = 0;
+            for (place, digit) in places.iter().zip(&mut kept.digits) {
+                let (quotient, plain) = base.split(rest);
+                let permuted = base.permuted(place.affine, plain);
+                *digit = permuted as u16;
+                kept.sum += permuted * place.weight;
+                rest = quotient;
+            }
         }
-        (sum, below)
+        kept.next = index + 1;
+        (kept.sum, below)
     }
 }
 
@@ -166,16 +224,8 @@ impl RandomScrambling for DigitPermutations {
             for _ in 0..base.digits {
                 weight /= base.base;
                 hash = hash.wrapping_add(GOLDEN);
-                all.places.push(Place {
-                    affine: base.affine(mix(hash)),
-                    weight,
-                    zeros: 0,
-                });
-            }
-            let mut zeros = 0;
-            for place in all.places[begin..].iter_mut().rev() {
-                zeros += place.affine.term * place.weight;
-                place.zeros = zeros;
+                let affine = base.affine(mix(hash));
+                all.places.push(Place { affine, weight });
             }
             all.axes.push((begin, unit(mix(hash.wrapping_add(GOLDEN)))));
         }
@@ -199,8 +249,12 @@ pub struct NestedScrambling {
 }
 
 impl Scrambling for NestedScrambling {
+    /// Numbers that follow one another differ in their first digit, on which all
+    /// that follows depends.
+    type Kept = ();
+
     #[inline]
-    fn digits(&self, axis: usize, base: &Base, index: u64) -> (u64, f64) {
+    fn digits(&self, axis: usize, base: &Base, index: u64, (): &mut ()) -> (u64, f64) {
         let mut node = axis_key(self.key, axis);
         let (mut rest, mut sum) = (index, 0);
         for _ in 0..base.digits {

@@ -31,6 +31,7 @@ pub mod sampler_laws;
 pub mod significance;
 #[cfg(feature = "render")]
 pub mod transport;
+pub mod uniformity;
 
 pub use significance::{assert_plausible, assert_rejected, is_plausible};
 

@@ -1,5 +1,7 @@
 //! One level for the whole suite.
 
+use estimand::verify::sidak;
+
 /// The probability that a correct crate fails any statistical check at all.
 pub const FAMILY_WISE: f64 = 1e-6;
 
@@ -9,18 +11,8 @@ pub const CHECKS: usize = 5_000;
 
 /// The level of one of `tests` checks that all together reject a correct
 /// program with probability [`FAMILY_WISE`].
-///
-/// ```text
-/// α = 1 − (1 − α_family)^(1/tests)
-/// ```
-///
-/// Exact for independent checks, and for those whose two-sided statistics are
-/// jointly normal an upper bound.
-///
-/// Source: Šidák, *Rectangular Confidence Regions for the Means of
-/// Multivariate Normal Distributions* (1967).
 pub fn significance(tests: usize) -> f64 {
-    -((-FAMILY_WISE).ln_1p() / tests as f64).exp_m1()
+    sidak(FAMILY_WISE, tests)
 }
 
 /// Whether a correct program may well give this p-value. NaN is implausible.

@@ -83,7 +83,7 @@ impl Shape {
     /// The point of the shape at this distance along `ray`, where
     /// [`intersect`](Self::intersect) said that there is one.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn point_at(&self, ray: &Ray, distance: f64) -> SurfacePoint {
         match self {
             Self::Quad(s) => s.point_at(ray, distance),
@@ -107,7 +107,7 @@ impl Pdf for Shape {
     type Unit = [f64; 2];
     type Point = SurfacePoint;
 
-    #[inline]
+    #[inline(always)]
     fn sample(&self, u: [f64; 2]) -> Sample<SurfacePoint> {
         match self {
             Self::Quad(s) => s.sample(u),

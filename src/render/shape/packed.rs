@@ -7,6 +7,9 @@ use super::Shape;
 use super::facet::Facet;
 use crate::render::Ray;
 
+/// A mask of all lanes.
+const ALL: f64x2 = f64x2::new([f64::from_bits(u64::MAX); LANES]);
+
 /// How many shapes are tried at once: what the vectors of any x86-64 or ARM
 /// processor hold.
 const LANES: usize = 2;
@@ -27,8 +30,9 @@ struct FacetPack {
     normal: Vectors,
     dual_u: Vectors,
     dual_v: Vectors,
-    /// The most that a + b may be: 1 in a triangle, 2 in a parallelogram.
-    most: f64x2,
+    /// How much of a is added to b before it is held against 1: all in a
+    /// triangle, none in a parallelogram.
+    skew: f64x2,
     index: f64x2,
 }
 
@@ -58,7 +62,7 @@ impl Packed {
         for (index, shape) in shapes.enumerate() {
             let index = f64::from_bits(index as u64);
             match shape {
-                Shape::Quad(s) => facets.push((s.facet, 2.0, index)),
+                Shape::Quad(s) => facets.push((s.facet, 0.0, index)),
                 Shape::Triangle(s) => facets.push((s.facet, 1.0, index)),
                 Shape::Sphere(s) => spheres.push((s.center, s.radius * s.radius, index)),
             }
@@ -79,7 +83,7 @@ impl Packed {
 
     /// [`nearest`](Self::nearest) of several rays, which do not wait for each
     /// other.
-    #[inline]
+    #[inline(always)]
     pub(in crate::render) fn each_nearest<const N: usize>(
         &self,
         rays: [(&Ray, f64); N],
@@ -92,12 +96,14 @@ impl Packed {
         });
         for pack in &self.facets {
             for s in &mut all {
-                s.take(pack.distance(&s.origin, &s.direction), pack.index);
+                let (distance, inside) = pack.meet(&s.origin, &s.direction);
+                s.take(distance, inside, pack.index);
             }
         }
         for pack in &self.spheres {
             for s in &mut all {
-                s.take(pack.distance(&s.origin, &s.direction), pack.index);
+                let distance = pack.distance(&s.origin, &s.direction);
+                s.take(distance, ALL, pack.index);
             }
         }
         core::array::from_fn(|k| all[k].nearest(rays[k].1))
@@ -105,10 +111,11 @@ impl Packed {
 }
 
 impl Search {
-    /// Takes those distances that are positive and less than what there is.
+    /// Takes those distances, of the lanes in `met`, that are positive and less
+    /// than what there is.
     #[inline(always)]
-    fn take(&mut self, distance: f64x2, index: f64x2) {
-        let nearer = distance.simd_gt(f64x2::ZERO) & distance.simd_lt(self.distance);
+    fn take(&mut self, distance: f64x2, met: f64x2, index: f64x2) {
+        let nearer = met & distance.simd_gt(f64x2::ZERO) & distance.simd_lt(self.distance);
         self.distance = nearer.select(distance, self.distance);
         self.index = nearer.select(index, self.index);
     }
@@ -130,25 +137,22 @@ impl FacetPack {
             normal: of(|f| f.normal),
             dual_u: of(|f| f.dual_u),
             dual_v: of(|f| f.dual_v),
-            most: lanes(facets.iter().map(|f| f.1), 0.0),
+            skew: lanes(facets.iter().map(|f| f.1), 0.0),
             index: lanes(facets.iter().map(|f| f.2), 0.0),
         }
     }
 
-    /// Where the ray meets the shapes; negative or NaN where it does not.
+    /// Where the ray meets the planes, and whether that is inside the shapes.
     #[inline(always)]
-    fn distance(&self, origin: &Vectors, direction: &Vectors) -> f64x2 {
+    fn meet(&self, origin: &Vectors, direction: &Vectors) -> (f64x2, f64x2) {
         let to = self.corner.minus(origin);
         let distance = self.normal.dot(&to) / self.normal.dot(direction);
         let from = direction.times(distance).minus(&to);
         let a = self.dual_u.dot(&from);
         let b = self.dual_v.dot(&from);
-        let inside = a.simd_ge(f64x2::ZERO)
-            & b.simd_ge(f64x2::ZERO)
-            & a.simd_le(f64x2::ONE)
-            & b.simd_le(f64x2::ONE)
-            & (a + b).simd_le(self.most);
-        inside.select(distance, MISS)
+        let most = a.fast_max(b + self.skew * a);
+        let inside = a.fast_min(b).simd_ge(f64x2::ZERO) & most.simd_le(f64x2::ONE);
+        (distance, inside)
     }
 }
 
@@ -161,7 +165,7 @@ impl SpherePack {
         }
     }
 
-    /// As [`FacetPack::distance`].
+    /// Where the ray meets the spheres; negative or NaN where it does not.
     #[inline(always)]
     fn distance(&self, origin: &Vectors, direction: &Vectors) -> f64x2 {
         let to = self.center.minus(origin);
@@ -169,20 +173,12 @@ impl SpherePack {
         let off = to.minus(&direction.times(b));
         // NaN where the line passes by.
         let root = (self.square - off.dot(&off)).sqrt();
-        let product = to.dot(&to) - self.square;
-        let sum = root + b.abs();
-        let outside = product.simd_gt(f64x2::ZERO);
-        let ahead = b.simd_gt(f64x2::ZERO);
-        // Ahead, the near root from outside and the far one from inside;
-        // behind, the far one from inside and none from outside.
-        let ratio = product.abs() / sum;
-        let ahead_of = outside.select(ratio, sum);
-        let behind = outside.select(MISS, ratio);
-        ahead.select(ahead_of, behind)
+        // As Sphere::intersect: the sign of b, for a root that has none.
+        let larger = b + (root | (b & f64x2::splat(-0.0)));
+        let lesser = (to.dot(&to) - self.square) / larger;
+        lesser.simd_gt(f64x2::ZERO).select(lesser, larger)
     }
 }
-
-const MISS: f64x2 = f64x2::new([-1.0; LANES]);
 
 /// Up to `LANES` numbers, and `rest` where there are fewer.
 fn lanes(numbers: impl Iterator<Item = f64>, rest: f64) -> f64x2 {

@@ -93,8 +93,9 @@ impl Sphere {
     }
 
     /// The roots of |o + t ω − c|² = R² are b ± √Δ. Δ is taken from the
-    /// distance between line and centre, and of two roots with opposite signs
-    /// of b the lesser from their product, so that neither loses its digits.
+    /// distance between line and centre, and of the two roots the one of lesser
+    /// magnitude from their product, so that neither loses its digits. That one
+    /// comes first if it lies ahead; the other then lies ahead if any does.
     ///
     /// Source: Haines et al., *Precision Improvements for Ray/Sphere
     /// Intersection* (Ray Tracing Gems, 2019).
@@ -103,20 +104,11 @@ impl Sphere {
         let to_center = self.center - ray.origin;
         let b = to_center.dot(ray.direction);
         let square = self.radius * self.radius;
-        let delta = square - (to_center - ray.direction * b).length_squared();
-        if delta < 0.0 {
-            return None;
-        }
-        // Positive outside: the product of the roots.
-        let product = to_center.length_squared() - square;
-        let sum = delta.sqrt() + b.abs();
-        let distance = match (product > 0.0, b > 0.0) {
-            (true, true) => product / sum,
-            // Outside and going away.
-            (true, false) => return None,
-            (false, true) => sum,
-            (false, false) => -product / sum,
-        };
+        // NaN where the line passes by.
+        let root = (square - (to_center - ray.direction * b).length_squared()).sqrt();
+        let larger = b + root.copysign(b);
+        let lesser = (to_center.length_squared() - square) / larger;
+        let distance = if lesser > 0.0 { lesser } else { larger };
         (distance > 0.0 && distance < limit).then_some(distance)
     }
 

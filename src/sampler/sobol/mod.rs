@@ -173,6 +173,7 @@ impl<S: Scramble> Randomize for Sobol<S> {
         Self::over(&self.net.columns, seed)
     }
 
+    /// The powers of two.
     fn complete(&self, points: u64) -> u64 {
         points.checked_ilog2().map_or(0, |m| 1 << m)
     }
@@ -198,7 +199,6 @@ mod tests {
             .collect()
     }
 
-    /// As scipy 1.x and Joe and Kuo's own program print them.
     /// As `RandomizedQmc` asks: 2ᵐ points are a net, others are not.
     #[test]
     fn powers_of_two_are_complete() {
@@ -208,6 +208,7 @@ mod tests {
         }
     }
 
+    /// As scipy 1.x and Joe and Kuo's own program print them.
     #[test]
     fn begins_as_published() {
         let expected = [

@@ -2,51 +2,69 @@
 
 use crate::sampler::Unscrambled;
 use core::iter;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::super::independent::mix;
 use super::directions::directions;
 
 /// Generator matrices, a column of all dimensions after the other: what the
 /// j-th digit of a point's number adds to the digits of each coordinate.
+///
+/// A column of a product is made when a point first asks for it: 2ᵐ points ask
+/// for m + 1 of the 64.
 #[derive(Clone, Debug)]
 pub struct Columns {
     pub(super) dimensions: usize,
-    all: Arc<[u64]>,
+    all: Arc<[OnceLock<Box<[u64]>>]>,
+    /// What they are the product of; `None` of Sobol's own.
+    product: Option<Arc<Product>>,
+}
+
+/// In each dimension a lower triangular matrix, by columns, times another.
+#[derive(Debug)]
+struct Product {
+    lower: Vec<[u64; 64]>,
+    right: Columns,
 }
 
 impl Columns {
     /// Those of Sobol's sequence.
     pub(super) fn new(dimensions: usize) -> Self {
-        let mut all = vec![0; 64 * dimensions];
-        for k in 0..dimensions {
-            for (j, v) in directions(k).into_iter().enumerate() {
-                all[j * dimensions + k] = v;
-            }
-        }
+        let rows: Vec<_> = (0..dimensions).map(directions).collect();
+        let column = |j: usize| OnceLock::from(rows.iter().map(|v| v[j]).collect::<Box<_>>());
         Self {
             dimensions,
-            all: all.into(),
+            all: (0..64).map(column).collect(),
+            product: None,
         }
     }
 
     /// What digit `j` of a point's number adds to each coordinate.
     #[inline]
     pub(super) fn of_digit(&self, j: usize) -> &[u64] {
-        self.all.get(j * self.dimensions..).unwrap_or_default()
+        let column = self.all.get(j);
+        column.map_or(&[], |column| column.get_or_init(|| self.multiply(j)))
     }
 
-    /// The same with `f` of each entry and its dimension.
-    fn map(&self, mut f: impl FnMut(usize, u64) -> u64) -> Self {
-        let dimensions = (0..self.dimensions).cycle();
+    #[cold]
+    fn multiply(&self, j: usize) -> Box<[u64]> {
+        let times = |lower: &[u64; 64], v| ones(v).fold(0, |sum, bit| sum ^ lower[63 - bit]);
+        self.product
+            .iter()
+            .flat_map(|product| product.lower.iter().zip(product.right.of_digit(j)))
+            .map(|(lower, v)| times(lower, *v))
+            .collect()
+    }
+
+    /// These, multiplied from the left.
+    fn times(&self, lower: Vec<[u64; 64]>) -> Self {
         Self {
-            all: self
-                .all
-                .iter()
-                .zip(dimensions)
-                .map(|(&v, k)| f(k, v))
-                .collect(),
-            ..*self
+            dimensions: self.dimensions,
+            all: vec![OnceLock::new(); 64].into(),
+            product: Some(Arc::new(Product {
+                lower,
+                right: self.clone(),
+            })),
         }
     }
 }
@@ -125,8 +143,8 @@ impl Digits for DigitalShift {
 /// ```
 ///
 /// The variance is that of [`Owen`], and its mean over scramblings unbiased; the
-/// matrices are multiplied into the net's when it is built, so a point costs no
-/// more than without. What differs is how the errors are distributed: those of
+/// matrices are multiplied into the net's, a column once for all points, so a point
+/// costs no more than without. What differs is how the errors are distributed: those of
 /// nested scrambling tend to a normal distribution, these need not.
 ///
 /// Source: Matoušek, *On the L₂-Discrepancy for Anchored Boxes* (1998), §2.3;
@@ -146,8 +164,7 @@ impl Digits for LinearMatrix {
                 })
             })
             .collect();
-        let product = |k: usize, v: u64| ones(v).fold(0, |sum, bit| sum ^ lower[k][63 - bit]);
-        Net::new(columns.map(product), random)
+        Net::new(columns.times(lower), random)
     }
 }
 

@@ -1,0 +1,128 @@
+//! An estimator whose points go through a learned map.
+
+use core::borrow::Borrow;
+
+use super::{Location, TryEstimator};
+use crate::pdf::{AdaptiveGrid, GridNode};
+use crate::sampler::Coordinates;
+use crate::value::Value;
+
+/// An estimator that reads its first coordinates through an [`AdaptiveGrid`],
+/// and weighs what it finds.
+///
+/// ```text
+/// ⟨I⟩ = ⟨I⟩(x(u)) / p_grid(x(u))
+/// ```
+///
+/// Coordinates past the grid's axes pass unchanged. Any sampler will do: points
+/// of a net through a grid that has learned where the integrand is large are
+/// often better than either alone.
+///
+/// # Example
+///
+/// ```
+/// use estimand::estimator::Mapped;
+/// use estimand::integrator::Vegas;
+/// use estimand::prelude::*;
+/// use estimand::sampler::{Owen, Sobol};
+///
+/// let peak = |[x, y]: [f64; 2]| (-1e3 * ((x - 0.3).powi(2) + (y - 0.6).powi(2))).exp();
+/// let estimator = Importance::new(peak, UnitCube::<2>);
+///
+/// // Learn for 10,000 samples, then put a net through the grid.
+/// let mut vegas = Vegas::new(estimator, 2, 7)?;
+/// run(&mut vegas, &Serial, &Stop::samples(10_000))?;
+/// let points = Sobol::new(2)?.scrambled(Owen, 7);
+/// let mut net = RandomizedQmc::new(Mapped::new(vegas.grid(), &estimator), points, 8)?;
+/// let e = run(&mut net, &Serial, &Stop::samples(1 << 15))?.answer;
+/// let exact = core::f64::consts::PI * 1e-3;
+/// assert!((e.mean - exact).abs() < 6.0 * e.standard_error);
+/// assert!(e.standard_error < 0.01 * exact);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mapped<E, G = AdaptiveGrid> {
+    pub(crate) estimator: E,
+    pub(crate) grid: G,
+}
+
+impl<E, G: Borrow<AdaptiveGrid>> Mapped<E, G> {
+    /// `estimator` behind `grid`, which may be a reference.
+    pub const fn new(grid: G, estimator: E) -> Self {
+        Self { estimator, grid }
+    }
+}
+
+impl<E: TryEstimator, G: Borrow<AdaptiveGrid>> TryEstimator for Mapped<E, G> {
+    type Value = <E::Value as Value>::Wide;
+    type Error = E::Error;
+
+    #[inline]
+    fn try_estimate<C: Coordinates>(&self, u: &mut C) -> Result<Self::Value, E::Error> {
+        through(self.grid.borrow(), &self.estimator, u, |_, _| ())
+    }
+
+    fn locate<C: Coordinates>(&self, u: &mut C) -> Location {
+        self.estimator
+            .locate(&mut Warped::new(self.grid.borrow(), u, |_, _| ()))
+    }
+}
+
+/// The primary estimate of `estimator` behind `grid`; `see` is shown each axis
+/// and the node on it.
+#[inline]
+pub(crate) fn through<E: TryEstimator>(
+    grid: &AdaptiveGrid,
+    estimator: &E,
+    u: &mut impl Coordinates,
+    see: impl FnMut(usize, GridNode),
+) -> Result<<E::Value as Value>::Wide, E::Error> {
+    let mut warped = Warped::new(grid, u, see);
+    let value = estimator.try_estimate(&mut warped)?;
+    Ok(value.over(1.0 / warped.volume))
+}
+
+/// The coordinates of a point, each seen through its axis of a grid.
+struct Warped<'a, C, F> {
+    grid: &'a AdaptiveGrid,
+    points: &'a mut C,
+    see: F,
+    axis: usize,
+    dimension: usize,
+    /// 1/p of the coordinates read so far.
+    volume: f64,
+}
+
+impl<'a, C, F> Warped<'a, C, F> {
+    #[inline]
+    fn new(grid: &'a AdaptiveGrid, points: &'a mut C, see: F) -> Self {
+        Self {
+            grid,
+            points,
+            see,
+            axis: 0,
+            dimension: grid.dimension(),
+            volume: 1.0,
+        }
+    }
+}
+
+impl<C: Coordinates, F: FnMut(usize, GridNode)> Coordinates for Warped<'_, C, F> {
+    fn next_point(&mut self) {
+        self.points.next_point();
+        (self.axis, self.volume) = (0, 1.0);
+    }
+
+    #[inline]
+    fn next_1d(&mut self) -> f64 {
+        let u = self.points.next_1d();
+        if self.axis >= self.dimension {
+            return u;
+        }
+        let node = self.grid.warp(self.axis, u);
+        (self.see)(self.axis, node);
+        self.axis += 1;
+        self.volume *= node.width;
+        node.x
+    }
+}

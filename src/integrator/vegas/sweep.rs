@@ -1,0 +1,233 @@
+//! One pass over all strata.
+
+use core::cell::RefCell;
+use core::ops::{ControlFlow, Range};
+
+use crate::estimate::Moments;
+use crate::estimator::{Location, Mapped, TryEstimator, through};
+use crate::integrator::NonFinite;
+use crate::integrator::sample_block::{is_finite, sample_block};
+use crate::integrator::sample_error::Failure;
+use crate::integrator::strata::{Scales, Strata, Stratum};
+use crate::merge::Merge;
+use crate::pdf::GridHistogram;
+use crate::sampler::{AdaptiveStrata, Block, Coordinates};
+use crate::value::{Components, Value};
+
+/// The value of a primary estimate behind the grid.
+pub(super) type Wide<E> = <<E as TryEstimator>::Value as Value>::Wide;
+
+/// What came of a block, and whether the pass ends with it.
+type Swept<E> = ControlFlow<Partial<E>, Partial<E>>;
+type Partial<E> = SweepPartial<Wide<E>, <E as TryEstimator>::Error>;
+
+/// What a pass is made with.
+pub(super) struct Sweep<'a, E: TryEstimator> {
+    pub mapped: &'a Mapped<E>,
+    pub strata: &'a AdaptiveStrata,
+    /// What makes components of different size comparable.
+    pub scales: &'a <E::Value as Value>::Components,
+    pub non_finite: NonFinite,
+    /// Whether the grid learns from it.
+    pub lesson: bool,
+}
+
+impl<E: TryEstimator> Sweep<'_, E> {
+    /// The samples of these strata, which are those of `block`.
+    pub(super) fn block(&self, strata: Range<usize>, block: Block) -> Swept<E> {
+        let mut moments = Moments::new();
+        let mut walk = Walk::new(self.strata, strata, self.scales.as_ref());
+        let see = |slice: &[Wide<E>]| walk.over(slice);
+        let (failure, histogram) = if self.lesson {
+            let pupil = Pupil::new(self.mapped, self.scales.as_ref());
+            let result = sample_block(
+                self.strata,
+                &pupil,
+                block,
+                self.non_finite,
+                &mut moments,
+                see,
+            );
+            (result.err(), pupil.notes.into_inner().histogram)
+        } else {
+            let mapped = self.mapped;
+            let result = sample_block(
+                self.strata,
+                mapped,
+                block,
+                self.non_finite,
+                &mut moments,
+                see,
+            );
+            (result.err(), GridHistogram::default())
+        };
+        let ended = failure.is_some();
+        let taken = moments.count() + moments.non_finite();
+        let mut strata = walk.sums;
+        strata.moments = moments;
+        let partial = SweepPartial {
+            strata,
+            spreads: walk.spreads,
+            histogram,
+            taken,
+            failure,
+        };
+        if ended {
+            ControlFlow::Break(partial)
+        } else {
+            ControlFlow::Continue(partial)
+        }
+    }
+}
+
+/// The estimator behind the grid, taking notes for it.
+struct Pupil<'a, E> {
+    mapped: &'a Mapped<E>,
+    scales: &'a [f64],
+    notes: RefCell<Notes>,
+}
+
+struct Notes {
+    /// Those of the sample at hand.
+    cells: Vec<usize>,
+    histogram: GridHistogram,
+}
+
+impl<'a, E> Pupil<'a, E> {
+    fn new(mapped: &'a Mapped<E>, scales: &'a [f64]) -> Self {
+        let notes = Notes {
+            cells: vec![0; mapped.grid.dimension()],
+            histogram: GridHistogram::of(&mapped.grid),
+        };
+        Self {
+            mapped,
+            scales,
+            notes: RefCell::new(notes),
+        }
+    }
+}
+
+impl<E: TryEstimator> TryEstimator for Pupil<'_, E> {
+    type Value = Wide<E>;
+    type Error = E::Error;
+
+    #[inline]
+    fn try_estimate<C: Coordinates>(&self, u: &mut C) -> Result<Wide<E>, E::Error> {
+        // Borrowed while the integrand runs: it cannot get at this pupil.
+        let notes = &mut *self.notes.borrow_mut();
+        let Mapped { grid, estimator } = self.mapped;
+        let value = through(grid, estimator, u, |axis, node| {
+            notes.cells[axis] = node.cell;
+        })?;
+        let square = |(x, scale): (&f64, &f64)| (x * scale) * (x * scale);
+        let components = value.components();
+        let terms = components.as_ref().iter().zip(self.scales).map(square);
+        let sum: f64 = terms.sum();
+        // What is not finite is reported by whoever asked for the value.
+        if sum.is_finite() {
+            notes.histogram.add(&notes.cells, sum);
+        }
+        Ok(value)
+    }
+
+    fn locate<C: Coordinates>(&self, u: &mut C) -> Location {
+        self.mapped.locate(u)
+    }
+}
+
+/// Follows the strata through a block.
+struct Walk<'a, V: Value> {
+    layout: &'a AdaptiveStrata,
+    scales: &'a [f64],
+    stratum: usize,
+    /// How many samples of the stratum are still to come, how many were finite,
+    /// and their sums.
+    left: u64,
+    finite: u64,
+    samples: Stratum<V>,
+    sums: Strata<V>,
+    spreads: Vec<f64>,
+}
+
+impl<'a, V: Value> Walk<'a, V> {
+    fn new(layout: &'a AdaptiveStrata, strata: Range<usize>, scales: &'a [f64]) -> Self {
+        let mut walk = Self {
+            layout,
+            scales,
+            stratum: strata.start,
+            left: 0,
+            finite: 0,
+            samples: Stratum::new(V::Components::ZERO),
+            sums: Strata::default(),
+            spreads: Vec::with_capacity(strata.len()),
+        };
+        walk.begin();
+        walk
+    }
+
+    fn begin(&mut self) {
+        if self.stratum < self.layout.strata() {
+            let points = self.layout.points_of(self.stratum);
+            self.left = points.end - points.start;
+        }
+        self.finite = 0;
+    }
+
+    #[inline]
+    fn over(&mut self, values: &[V]) {
+        for &value in values {
+            if is_finite(value) {
+                self.finite += 1;
+                if self.finite == 1 {
+                    self.samples = Stratum::new(value.components());
+                } else {
+                    self.samples.add(value.components());
+                }
+            }
+            self.left -= 1;
+            if self.left == 0 {
+                self.finish();
+            }
+        }
+    }
+
+    #[inline]
+    fn finish(&mut self) {
+        let mut spread = 0.0;
+        if self.finite > 0 {
+            let scales = Scales::new(self.finite);
+            self.sums.add(&self.samples, scales);
+            if self.finite > 1 {
+                let n = self.finite as f64;
+                for (k, s) in self.scales.iter().enumerate() {
+                    spread += n * self.samples.covariance(k, k, scales) * (s * s);
+                }
+            }
+        }
+        self.spreads.push(spread.max(0.0).sqrt());
+        self.stratum += 1;
+        self.begin();
+    }
+}
+
+/// What a block of [`Vegas`](super::Vegas) contributes: that of successive strata.
+#[derive(Clone, Debug)]
+pub struct SweepPartial<V: Value, E> {
+    pub(super) strata: Strata<V>,
+    /// σₘ of each stratum.
+    pub(super) spreads: Vec<f64>,
+    pub(super) histogram: GridHistogram,
+    /// Samples, those of a block that failed included.
+    pub(super) taken: u64,
+    pub(super) failure: Option<Failure<V, E>>,
+}
+
+impl<V: Value, E> Merge for SweepPartial<V, E> {
+    fn merge(&mut self, right: Self) {
+        self.strata.merge(right.strata);
+        self.spreads.extend(right.spreads);
+        self.histogram.merge(right.histogram);
+        self.taken += right.taken;
+        self.failure = self.failure.take().or(right.failure);
+    }
+}

@@ -1,0 +1,314 @@
+//! The unit cube, cut into boxes where an integrand asks for it.
+
+use core::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use super::found::Found;
+use super::kronrod;
+use super::symmetric::{MOST_AXES, Symmetric};
+use crate::estimate::Tolerance;
+use crate::value::Components;
+
+/// The rule for each box.
+#[derive(Clone, Debug)]
+pub(super) enum BoxRule {
+    Kronrod,
+    Symmetric(Symmetric),
+}
+
+impl BoxRule {
+    pub(super) fn cost(&self) -> u64 {
+        match self {
+            Self::Kronrod => kronrod::COST,
+            Self::Symmetric(rule) => rule.cost(),
+        }
+    }
+
+    /// `bounds` holds the centre and then half the sides.
+    fn apply<C: Components>(
+        &self,
+        bounds: &[f64],
+        weights: &C,
+        g: &mut impl FnMut(&[f64]) -> C,
+    ) -> Found<C> {
+        let (centre, half) = bounds.split_at(bounds.len() / 2);
+        match self {
+            Self::Kronrod => kronrod::apply(centre[0], half[0], g),
+            Self::Symmetric(rule) => rule.apply(centre, half, weights, g),
+        }
+    }
+
+    /// Corrects the errors of two halves by how far they are from the whole.
+    ///
+    /// ```text
+    /// Eₕ ← Eₕ (1 + D/(E₁ + E₂)),   D = |I − I₁ − I₂|
+    /// ```
+    ///
+    /// The halves' error is at least the whole's, as the difference shows it.
+    /// Where cutting once does far more than that (in one dimension, or down to
+    /// rounding), D is only what the whole had not owned to, D − E.
+    ///
+    /// Source: Berntsen, Espelid & Genz (1991), who correct errors in two steps
+    /// as well.
+    fn compare<C: Components>(&self, whole: &Found<C>, halves: &mut [Found<C>; 2]) {
+        let gains = (halves.each_ref()).map(|half| half.settled || matches!(self, Self::Kronrod));
+        for k in 0..C::COUNT {
+            let [a, b] = halves.each_ref().map(|half| half.value.as_ref()[k]);
+            let difference = (whole.value.as_ref()[k] - (a + b)).abs();
+            let unowned = (difference - whole.error.as_ref()[k]).max(0.0);
+            let sum: f64 = halves.iter().map(|half| half.error.as_ref()[k]).sum();
+            for (half, gains) in halves.iter_mut().zip(gains) {
+                let more = if gains { unowned } else { difference };
+                let error = &mut half.error.as_mut()[k];
+                if sum > 0.0 {
+                    *error *= 1.0 + more / sum;
+                } else {
+                    // g is 0 at all their nodes.
+                    *error = 0.5 * difference;
+                }
+                half.settled &= unowned == 0.0;
+            }
+        }
+    }
+}
+
+/// The integrand has a value that is not finite, or its integral overflows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct NotFinite;
+
+/// A partition of the unit cube into boxes, the worst of which is cut next.
+///
+/// Integrands are functions of a slice, as long as there are dimensions, which
+/// need not be known when compiling.
+///
+/// Source: van Dooren & de Ridder (1976) for the global strategy.
+#[derive(Clone, Debug)]
+pub(super) struct Regions<C> {
+    rule: BoxRule,
+    dimensions: usize,
+    /// Of each box the centre, then half the sides.
+    bounds: Vec<f64>,
+    found: Vec<Found<C>>,
+    heap: BinaryHeap<Rank>,
+    evaluations: u64,
+    value: C,
+    error: C,
+    /// What an error in each component weighs, for this tolerance.
+    weights: C,
+    tolerance: Option<Tolerance>,
+}
+
+/// Where a box stands in the queue: by error, and by volume where there is
+/// none, so that what is 0 everywhere is searched evenly.
+#[derive(Clone, Copy, Debug)]
+struct Rank {
+    error: f64,
+    volume: f64,
+    region: usize,
+}
+
+impl Ord for Rank {
+    fn cmp(&self, other: &Self) -> Ordering {
+        (self.error.total_cmp(&other.error))
+            .then(self.volume.total_cmp(&other.volume))
+            .then(other.region.cmp(&self.region))
+    }
+}
+
+impl PartialOrd for Rank {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Rank {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Rank {}
+
+impl<C: Components> Regions<C> {
+    pub(super) fn new(rule: BoxRule, dimensions: usize) -> Self {
+        let mut weights = C::ZERO;
+        weights.as_mut().fill(1.0);
+        Self {
+            rule,
+            dimensions,
+            bounds: Vec::new(),
+            found: Vec::new(),
+            heap: BinaryHeap::new(),
+            evaluations: 0,
+            value: C::ZERO,
+            error: C::ZERO,
+            weights,
+            tolerance: None,
+        }
+    }
+
+    /// Evaluations of g in one box.
+    pub(super) fn cost(&self) -> u64 {
+        self.rule.cost()
+    }
+
+    pub(super) fn evaluations(&self) -> u64 {
+        self.evaluations
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.found.len()
+    }
+
+    /// The sums over all boxes.
+    pub(super) fn total(&self) -> (C, C) {
+        (self.value, self.error)
+    }
+
+    /// Centre and half the sides of each box, with what was found there.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&[f64], &[f64], &Found<C>)> {
+        let bounds = self.bounds.chunks_exact(2 * self.dimensions);
+        bounds.zip(&self.found).map(|(bounds, found)| {
+            let (centre, half) = bounds.split_at(self.dimensions);
+            (centre, half, found)
+        })
+    }
+
+    /// Cuts boxes until the tolerance is met, the budget (of evaluations in
+    /// all) does not pay for two more boxes, or no box has more than rounding
+    /// left; says whether the tolerance is met.
+    ///
+    /// A box with a value that is not finite stays uncut.
+    pub(super) fn refine(
+        &mut self,
+        tolerance: &Tolerance,
+        budget: u64,
+        g: &mut impl FnMut(&[f64]) -> C,
+    ) -> Result<bool, NotFinite> {
+        if self.found.is_empty() {
+            let bounds = vec![0.5; 2 * self.dimensions];
+            let whole = self.rule.apply(&bounds, &self.weights, g);
+            if !whole.is_finite() {
+                return Err(NotFinite);
+            }
+            self.bounds = bounds;
+            self.found.push(whole);
+            self.evaluations = self.rule.cost();
+            self.add_up();
+        }
+        if self.tolerance != Some(*tolerance) {
+            self.tolerance = Some(*tolerance);
+            self.rank_all(tolerance);
+        }
+        let result = self.cut(tolerance, budget, g);
+        self.add_up();
+        result.map(|()| self.meets(tolerance))
+    }
+
+    fn cut(
+        &mut self,
+        tolerance: &Tolerance,
+        budget: u64,
+        g: &mut impl FnMut(&[f64]) -> C,
+    ) -> Result<(), NotFinite> {
+        let (n, cost) = (self.dimensions, self.rule.cost());
+        let mut children = [0.0; 4 * MOST_AXES];
+        let (left, right) = children[..4 * n].split_at_mut(2 * n);
+        loop {
+            if self.meets(tolerance) {
+                // The running sums have seen larger numbers.
+                self.add_up();
+                if self.meets(tolerance) {
+                    return Ok(());
+                }
+            }
+            if self.evaluations.saturating_add(2 * cost) > budget {
+                return Ok(());
+            }
+            let Some(&Rank { region, .. }) = self.heap.peek() else {
+                return Ok(());
+            };
+            let whole = self.found[region];
+            let bounds = &mut self.bounds[2 * n * region..2 * n * (region + 1)];
+            left.copy_from_slice(bounds);
+            left[n + whole.axis] *= 0.5;
+            right.copy_from_slice(left);
+            left[whole.axis] -= left[n + whole.axis];
+            right[whole.axis] += right[n + whole.axis];
+            let mut halves = [&*left, &*right].map(|half| self.rule.apply(half, &self.weights, g));
+            if !halves.iter().all(Found::is_finite) {
+                return Err(NotFinite);
+            }
+            self.rule.compare(&whole, &mut halves);
+            bounds.copy_from_slice(left);
+            self.bounds.extend_from_slice(right);
+            let [a, b] = &halves;
+            for k in 0..C::COUNT {
+                let change =
+                    |whole: &C, a: &C, b: &C| a.as_ref()[k] + b.as_ref()[k] - whole.as_ref()[k];
+                self.value.as_mut()[k] += change(&whole.value, &a.value, &b.value);
+                self.error.as_mut()[k] += change(&whole.error, &a.error, &b.error);
+            }
+            self.found[region] = halves[0];
+            self.found.push(halves[1]);
+            self.evaluations += 2 * cost;
+            self.heap.pop();
+            self.rank(tolerance, region);
+            self.rank(tolerance, self.found.len() - 1);
+            // What a component weighs depends on its integral.
+            if C::COUNT > 1 && self.found.len().is_power_of_two() {
+                self.add_up();
+                self.rank_all(tolerance);
+            }
+        }
+    }
+
+    fn meets(&self, tolerance: &Tolerance) -> bool {
+        tolerance.admits_value(self.value.as_ref(), self.error.as_ref())
+    }
+
+    fn rank_all(&mut self, tolerance: &Tolerance) {
+        self.weights = tolerance.weights(&self.value);
+        self.heap.clear();
+        for region in 0..self.found.len() {
+            self.rank(tolerance, region);
+        }
+    }
+
+    fn rank(&mut self, tolerance: &Tolerance, region: usize) {
+        let found = &self.found[region];
+        if found.room && !found.settled {
+            let n = self.dimensions;
+            let half = &self.bounds[2 * n * region + n..2 * n * (region + 1)];
+            self.heap.push(Rank {
+                error: tolerance.weigh(self.weights.as_ref(), found.error.as_ref()),
+                volume: half.iter().product(),
+                region,
+            });
+        }
+    }
+
+    /// The sums over all boxes anew, the values with what each addition rounds
+    /// off (Neumaier).
+    fn add_up(&mut self) {
+        let mut lost = C::ZERO;
+        (self.value, self.error) = (C::ZERO, C::ZERO);
+        for found in &self.found {
+            for k in 0..C::COUNT {
+                let (sum, term) = (self.value.as_ref()[k], found.value.as_ref()[k]);
+                let next = sum + term;
+                let (large, small) = if sum.abs() < term.abs() {
+                    (term, sum)
+                } else {
+                    (sum, term)
+                };
+                lost.as_mut()[k] += (large - next) + small;
+                self.value.as_mut()[k] = next;
+                self.error.as_mut()[k] += found.error.as_ref()[k];
+            }
+        }
+        for (sum, lost) in self.value.as_mut().iter_mut().zip(lost.as_ref()) {
+            *sum += lost;
+        }
+    }
+}
