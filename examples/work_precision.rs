@@ -13,7 +13,7 @@
 use std::error::Error;
 use std::path::PathBuf;
 
-use estimand::chart::{Cost, Diagram, Page, Record, Slope, Study, markdown};
+use estimand::chart::{Cost, Diagram, Found, Page, Record, Slope, Study, markdown};
 use estimand::prelude::*;
 use estimand::sampler::Owen;
 
@@ -110,16 +110,21 @@ fn compare<const D: usize>(integral: &Integral, title: &str, effort: &Effort) ->
             spend(n, StratifiedMonteCarlo::new(f, grid))
         })?;
     }
+    study.measure("VEGAS+", |n, seed| spend(n, Vegas::new(f, D, seed)?))?;
     Ok(study)
 }
 
-/// What an integrator makes of a budget.
-fn spend<I>(budget: u64, mut integrator: I) -> Outcome<Estimate<f64>>
+/// What an integrator makes of a budget; what it learns from counts as well.
+fn spend<I>(budget: u64, mut integrator: I) -> Outcome<Found>
 where
     I: Integrator<Answer = Estimate<f64>>,
     RunError<I::Answer, I::Error>: Error + 'static,
 {
-    Ok(run(&mut integrator, &Serial, &Stop::samples(budget))?.answer)
+    let answer = run(&mut integrator, &Serial, &Stop::samples(budget))?.answer;
+    Ok(Found {
+        evaluations: integrator.spent(),
+        ..answer.into()
+    })
 }
 
 fn draw(line: &Study, studies: &[Study]) -> Outcome<()> {

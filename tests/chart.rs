@@ -143,6 +143,33 @@ fn the_standard_error_of_a_slope_is_the_spread_of_slopes() {
     assert_rejected(support::mean::p_value(wrong, error, 1.0), "1/2R");
 }
 
+/// An image of four pixels, each the mean of ξ: its error norm is the root of
+/// the mean over pixels of squares of variance 1/12n.
+#[test]
+fn an_image_has_a_norm_and_no_coverage() {
+    let mut study = Study::new("image", 0.0, &[100, 1_600], 400).unwrap();
+    study
+        .measure("independent", |n, seed| {
+            let pixels = FromFn(|u: &mut dyn Coordinates| [0.0; 4].map(|_: f64| u.next_1d()));
+            let mut integrator = MonteCarlo::new(pixels, Independent::new(seed));
+            let mean = run(&mut integrator, &Serial, &Stop::samples(n))?
+                .answer
+                .mean;
+            let squares: f64 = mean.iter().map(|x| (x - 0.5).powi(2)).sum();
+            Ok(Found::bare((squares / 4.0).sqrt(), n))
+        })
+        .unwrap();
+    for record in study.records() {
+        // Of 400 runs, 4 pixels each: 1600 squares of nearly normal errors.
+        let ratio = record.rmse.powi(2) * 12.0 * record.budget as f64;
+        let error = (2.0_f64 / 1600.0).sqrt();
+        assert_plausible(support::mean::p_value(ratio, error, 1.0), "norm");
+        assert_eq!((record.reported, record.coverage), (None, None));
+    }
+    let svg = drawn(&both(&study));
+    assert!(svg.contains("independent"));
+}
+
 #[test]
 fn a_failure_leaves_a_gap_and_a_note() {
     let mut study = Study::new("half", 0.5, &[1, 2, 3, 4], 2).unwrap();
@@ -375,9 +402,9 @@ fn zeros_stand_on_the_edge_and_gaps_break_the_curve() {
     assert!(svg.contains("exactly 0"));
 }
 
-/// Eighty-four methods, no two of which look the same.
+/// Though several diagrams show it.
 #[test]
-fn methods_look_different_and_the_same_in_every_diagram() {
+fn a_legend_names_each_method_once() {
     let names: Vec<String> = (0..12).map(|i| format!("method {i}")).collect();
     let errors: Vec<[f64; 2]> = (0..12).map(|i| [f64::from(i + 1), 0.1]).collect();
     let methods: Vec<(&str, &[f64])> = (names.iter().zip(&errors))
@@ -387,7 +414,6 @@ fn methods_look_different_and_the_same_in_every_diagram() {
     let few = study_of(&methods[5..7], 3);
     let diagrams = [&all, &few].map(|s| Diagram::work_precision(s, Cost::Evaluations));
     let svg = drawn(&diagrams);
-    // The legend names each once, though two diagrams show some of them.
     for name in &names {
         let document = Document::parse(&svg).unwrap();
         let named = document

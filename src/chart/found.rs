@@ -84,7 +84,9 @@ impl Found {
 }
 
 impl From<Estimate<f64>> for Found {
-    /// With Student's t interval.
+    /// With Student's t interval. Counts the samples that the estimate is from;
+    /// where others were spent, say on learning, set
+    /// [`evaluations`](Self::evaluations).
     fn from(estimate: Estimate<f64>) -> Self {
         Self {
             value: estimate.mean,

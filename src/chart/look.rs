@@ -76,3 +76,25 @@ impl Look {
         canvas.path(&outline, WIDTH, self.colour())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chart::canvas::paint;
+
+    /// The marks and lines of all of them, drawn at one place.
+    #[test]
+    fn looks_are_different() {
+        let drawn = |n| {
+            paint((100.0, 20.0), |canvas| {
+                Look(n).line(canvas, &[(10.0, 10.0), (90.0, 10.0)])?;
+                Look(n).mark(canvas, (50.0, 10.0))
+            })
+        };
+        let all: Vec<String> = (0..84).map(|n| drawn(n).unwrap()).collect();
+        for (n, one) in all.iter().enumerate() {
+            assert!(!all[..n].contains(one), "{n}");
+        }
+        assert_eq!(drawn(84).unwrap(), all[0]);
+    }
+}

@@ -5,7 +5,7 @@ use core::fmt;
 use statrs::function::gamma::digamma;
 
 use super::{Cost, Record};
-use crate::estimate::parenthesised;
+use crate::estimate::Ratio;
 
 /// The exponent k of RMSE ∝ costᵏ with its standard error, by least squares in
 /// log–log.
@@ -34,7 +34,8 @@ use crate::estimate::parenthesised;
 ///
 /// Errors of randomised nets and lattices have heavier tails than normal ones;
 /// with few seeds the standard error is then too small unless the points show
-/// it.
+/// it. To test a rate, rather than to show it, there is
+/// [`verify::rate`](crate::verify::rate), which assumes nothing of the kind.
 ///
 /// Source: Johnson, Kotz & Balakrishnan, *Continuous Univariate Distributions*
 /// (1994), §18.2, for ln χ²; Birge, *The Calculation of Errors by the Method of
@@ -49,8 +50,12 @@ pub struct Slope {
 
 impl fmt::Display for Slope {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // A minus is as wide as a plus.
-        let text = parenthesised(self.value, self.standard_error).replace('-', "−");
+        let number = Ratio {
+            value: self.value,
+            standard_error: self.standard_error,
+        };
+        // The sign of mathematics, which is as wide as a plus.
+        let text = number.to_string().replace('-', "−");
         f.pad(&text)
     }
 }

@@ -54,7 +54,7 @@ fn filled(f: &mut fmt::Formatter<'_>, text: &str) -> fmt::Result {
 ///
 /// An error with digits on both sides of the point keeps the point: 14.2(2.3).
 /// Outside 10⁻⁵ ≤ max(|mean|, error) < 10⁷ both share a power of ten.
-pub(crate) fn parenthesised(mean: f64, error: f64) -> String {
+fn parenthesised(mean: f64, error: f64) -> String {
     if error.is_nan() {
         return format!("{mean:?}(?)");
     }

@@ -9,8 +9,6 @@ mod sum;
 mod sums;
 mod tolerance;
 
-#[cfg(feature = "chart")]
-pub(crate) use display::parenthesised;
 pub(crate) use display::with_errors;
 pub use interval::{ConfidenceInterval, LevelError};
 pub use moments::Moments;
