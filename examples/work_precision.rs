@@ -43,7 +43,7 @@ struct Effort {
 
 fn main() -> Outcome<()> {
     let (last, runs) = if std::env::args().any(|a| a == "--full") {
-        (18, 64)
+        (18, 32)
     } else {
         (16, 16)
     };
