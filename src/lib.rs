@@ -1,6 +1,8 @@
 #![cfg_attr(feature = "parallel", doc = include_str!("../README.md"))]
 #![cfg_attr(not(feature = "parallel"), doc = "Monte Carlo integration.")]
 
+#[cfg(feature = "chart")]
+pub mod chart;
 pub mod estimate;
 pub mod estimator;
 pub mod integrand;
