@@ -45,6 +45,7 @@ use super::{AdaptiveGridError, GridHistogram};
 /// The step of `refine` is this crate's own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AdaptiveGrid {
+    dimension: usize,
     cells: usize,
     /// n + 1 for each axis.
     edges: Vec<f64>,
@@ -105,6 +106,7 @@ impl AdaptiveGrid {
             }
         }
         Ok(Self {
+            dimension: axes.len(),
             cells,
             edges: axes.concat(),
         })
@@ -116,6 +118,7 @@ impl AdaptiveGrid {
         let axes = self.edges.chunks(self.cells + 1);
         let even = vec![1.0; self.cells];
         Self {
+            dimension: self.dimension,
             cells,
             edges: axes.flat_map(|old| equalised(old, &even, cells)).collect(),
         }
@@ -124,7 +127,7 @@ impl AdaptiveGrid {
     /// How many axes it has.
     #[must_use]
     pub const fn dimension(&self) -> usize {
-        self.edges.len() / (self.cells + 1)
+        self.dimension
     }
 
     /// n, how many cells an axis is cut into.
@@ -144,18 +147,18 @@ impl AdaptiveGrid {
         &self.edges[axis * edges..][..edges]
     }
 
-    /// Where the coordinate u of an axis goes.
+    /// Where the coordinate u of an axis goes, u in [0, 1).
     ///
     /// # Panics
     ///
-    /// If there is no such axis.
+    /// If there is no such axis, or u ≤ −1/n.
     #[inline]
     #[must_use]
     pub fn warp(&self, axis: usize, u: f64) -> GridNode {
         // Narrow integers are cheaper to convert, and cells are few.
         let n = self.cells as i32;
         let position = u * f64::from(n);
-        let cell = (position as i32).clamp(0, n - 1);
+        let cell = (position as i32).min(n - 1);
         let pair = &self.edges[axis * (self.cells + 1) + cell as usize..][..2];
         let (start, width) = (pair[0], pair[1] - pair[0]);
         let x = start + (position - f64::from(cell)) * width;
