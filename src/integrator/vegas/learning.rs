@@ -86,8 +86,11 @@ const SHORTEST: u64 = 50;
 /// All lessons of a round together: more than enough for the most cells and
 /// strata.
 const MOST_LESSONS: f64 = (1_u64 << 21) as f64;
-/// So many passes make up the answer of a round: enough to see whether they agree.
+/// So many passes make up the answer of a round, enough to see whether they agree;
+/// more where each would be longer than this. A block holds whole strata, and a
+/// run that is told to stop waits for its blocks.
 const ANSWERS: u64 = 4;
+const LONGEST: u64 = 1 << 24;
 
 impl Learning {
     pub(super) fn check(&self) -> Result<(), VegasError> {
@@ -110,7 +113,7 @@ impl Learning {
         let count = u64::from(self.passes).min(learn / SHORTEST);
         let lessons = vec![learn / count.max(1); count as usize];
         let rest = budget - lessons.iter().sum::<u64>();
-        let answers = ANSWERS.min(rest / 4).max(1);
+        let answers = ANSWERS.max(rest.div_ceil(LONGEST)).min(rest / 4).max(1);
         Round {
             lessons,
             answer: rest / answers,
@@ -129,7 +132,9 @@ mod tests {
             let round = Learning::default().round(budget);
             let lessons: u64 = round.lessons.iter().sum();
             let spent = lessons + round.answer * round.answers as u64;
-            assert!(spent <= budget && budget - spent < 4, "{budget}: {round:?}");
+            let left = budget.checked_sub(spent).unwrap();
+            assert!(left < round.answers as u64, "{budget}: {round:?}");
+            assert!(round.answer <= 1 << 24);
             assert!(round.lessons.len() <= 10 && lessons <= 1 << 21);
             assert!(lessons as f64 <= 0.3 * budget as f64);
             assert!(round.lessons.iter().all(|&n| n >= 50));
