@@ -18,12 +18,7 @@ use estimand::prelude::*;
 use estimand::sampler::Owen;
 
 #[path = "../tests/support/integrals.rs"]
-#[allow(
-    dead_code,
-    clippy::excessive_precision,
-    clippy::inconsistent_digit_grouping,
-    reason = "the tests use all of it; its numbers are copied as they were computed"
-)]
+#[allow(dead_code, reason = "the tests use all of it")]
 mod integrals;
 
 use integrals::{Integral, integrals};
