@@ -265,6 +265,11 @@ impl<V: Value> Moments<V> {
         })
     }
 
+    /// Σ (x − x̄)² of the first component.
+    pub(super) fn sum_of_squares(&self) -> f64 {
+        self.second.as_ref()[0].as_ref()[0]
+    }
+
     /// max |x|: the largest weight f/p.
     #[must_use]
     pub fn largest(&self) -> V::Wide {

@@ -7,7 +7,7 @@ use super::regression::{CONSTANT, Fit, Matrix, Products};
 use super::sample_block::sample_block;
 use super::sample_error::Failure;
 use super::{ControlledEstimate, Integrator, NonFinite, SampleError};
-use crate::estimate::{ErrorSource, Estimate, Moments, Tolerance, scaled};
+use crate::estimate::{ErrorSource, Estimate, Evidence, Moments, Tail, Tolerance, scaled};
 use crate::estimator::{Controlled, ControlsError, TryEstimator};
 use crate::merge::Merge;
 use crate::sampler::{Iid, Independent};
@@ -65,6 +65,7 @@ pub struct ControlledMonteCarlo<E, V: Value, const K: usize, S = Independent> {
     fixed: Option<[V::Wide; K]>,
     non_finite: NonFinite,
     moments: Moments<Controlled<V, K>>,
+    tail: Tail<Controlled<V, K>>,
     folds: Folds<V, K>,
     /// The number of the next block and the next sample.
     next: (u64, u64),
@@ -80,6 +81,7 @@ type Folds<V, const K: usize> = [Products<V, K>; FOLDS];
 #[derive(Clone, Debug)]
 pub struct ControlledPartial<V: Value, const K: usize, E> {
     moments: Moments<Controlled<V, K>>,
+    tail: Tail<Controlled<V, K>>,
     folds: Folds<V, K>,
     failure: Option<Failure<Controlled<V, K>, E>>,
 }
@@ -87,6 +89,7 @@ pub struct ControlledPartial<V: Value, const K: usize, E> {
 impl<V: Value, const K: usize, E> Merge for ControlledPartial<V, K, E> {
     fn merge(&mut self, right: Self) {
         self.moments.merge(right.moments);
+        self.tail.merge(right.tail);
         self.folds
             .iter_mut()
             .zip(right.folds)
@@ -116,6 +119,7 @@ where
             fixed: None,
             non_finite: NonFinite::Refuse,
             moments: Moments::new(),
+            tail: Tail::new(),
             folds: [const { Products::new() }; FOLDS],
             next: (0, 0),
             plan: Plan::default(),
@@ -212,6 +216,7 @@ where
 
     fn block(&self, index: u64) -> ControlFlow<Self::Partial, Self::Partial> {
         let mut moments = Moments::new();
+        let mut tail = self.tail.continued();
         let mut folds = [const { Products::new() }; FOLDS];
         let block = self.plan.block(index);
         let mut sample = block.start;
@@ -222,6 +227,7 @@ where
             self.non_finite,
             &mut moments,
             |slice| {
+                tail.push_all(slice);
                 for primary in slice {
                     folds[(sample % FOLDS as u64) as usize].push(primary);
                     sample += 1;
@@ -232,6 +238,7 @@ where
         let ended = failure.is_some();
         let partial = ControlledPartial {
             moments,
+            tail,
             folds,
             failure,
         };
@@ -245,6 +252,7 @@ where
     fn absorb(&mut self, pass: Self::Partial, blocks: u64) -> Result<(), Self::Error> {
         self.next = self.plan.after(blocks);
         self.moments.merge(pass.moments);
+        self.tail.merge(pass.tail);
         self.folds
             .iter_mut()
             .zip(pass.folds)
@@ -310,9 +318,10 @@ where
                 / error.max(CONSTANT * all.controls[k].abs());
             if z.is_nan() { 0.0 } else { z }
         });
+        let evidence = Evidence::of(&self.tail, &self.moments).retyped::<V>();
         Some(ControlledEstimate {
-            estimate,
-            plain: Estimate::independent(&moments)?,
+            estimate: estimate.with_evidence(evidence),
+            plain: Estimate::independent(&moments)?.with_evidence(evidence),
             coefficients: self.fixed.unwrap_or_else(|| coefficients.map(V::wide)),
             dropped,
             off,

@@ -1,12 +1,12 @@
 //! Means and variances within strata.
 
-use crate::estimate::{ErrorSource, Estimate, Moments};
+use crate::estimate::{ErrorSource, Estimate, Evidence, Moments, Tail};
 use crate::merge::Merge;
 use crate::sampler::Stratified;
 use crate::value::{Components, Value};
 
 /// Sums over strata.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Strata<V: Value> {
     /// Σ ȳₘ, over `count` strata.
     means: V::Components,
@@ -23,6 +23,8 @@ pub(super) struct Strata<V: Value> {
     ends: Option<Ends<V::Components>>,
     /// Of all primary estimates, pooled.
     pub(super) moments: Moments<V>,
+    /// The largest of them.
+    pub(super) tail: Tail<V>,
 }
 
 /// The first and the last of a number of strata in sequence; no mean where no
@@ -46,6 +48,7 @@ impl<V: Value> Default for Strata<V> {
             squares: V::Components::ZERO,
             ends: None,
             moments: Moments::new(),
+            tail: Tail::new(),
         }
     }
 }
@@ -64,6 +67,7 @@ impl<V: Value> Merge for Strata<V> {
         self.terms += right.terms;
         self.freedom += right.freedom;
         self.moments.merge(right.moments);
+        self.tail.merge(right.tail);
         if let Some(ends) = right.ends {
             self.join(ends);
         }
@@ -119,6 +123,11 @@ impl<V: Value> Strata<V> {
             });
         }
         mean
+    }
+
+    /// What the tail says.
+    pub(super) fn evidence(&self) -> Evidence<V> {
+        Evidence::of(&self.tail, &self.moments)
     }
 
     /// The estimate from all strata, of one sample each or of more.
@@ -274,7 +283,7 @@ impl<V: Value> Walk<V> {
             }
             let whole = whole.chunks_exact(n);
             values = whole.remainder();
-            let mut sums = *strata;
+            let mut sums = core::mem::take(strata);
             for samples in whole {
                 let mut stratum = Stratum::<V>::new(samples[0].components());
                 for y in &samples[1..] {

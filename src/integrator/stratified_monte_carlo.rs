@@ -86,6 +86,13 @@ impl<const D: usize, E: TryEstimator, J: Iid> StratifiedMonteCarlo<D, E, J> {
         }
     }
 
+    fn estimate(&self) -> Option<Estimate<E::Value>> {
+        self.done.estimate(match self.grid.per_stratum() {
+            1 => ErrorSource::NeighbouringStrata,
+            _ => ErrorSource::WithinStrata,
+        })
+    }
+
     /// The same with another way to treat values that are NaN or infinite.
     /// Strata left without a finite value are left out.
     #[must_use]
@@ -134,17 +141,21 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
         let mut strata = Strata::default();
         let mut walk = Walk::new(&self.grid, block.start);
         let mut moments = Moments::new();
+        let mut tail = self.done.tail.continued();
         let failure = sample_block(
             &self.grid,
             &self.estimator,
             block,
             self.non_finite,
             &mut moments,
-            |slice| match self.non_finite {
-                NonFinite::Refuse => walk.over_finite(slice, &mut strata),
-                NonFinite::SetAside => {
-                    for value in slice {
-                        walk.step(value.components(), is_finite(*value), &mut strata);
+            |slice| {
+                tail.push_all(slice);
+                match self.non_finite {
+                    NonFinite::Refuse => walk.over_finite(slice, &mut strata),
+                    NonFinite::SetAside => {
+                        for value in slice {
+                            walk.step(value.components(), is_finite(*value), &mut strata);
+                        }
                     }
                 }
             },
@@ -161,6 +172,7 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
             });
         }
         strata.moments = moments;
+        strata.tail = tail;
         ControlFlow::Continue(StratifiedPartial {
             strata,
             taken,
@@ -192,14 +204,11 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
     }
 
     fn meets(&self, tolerance: &Tolerance) -> bool {
-        self.answer().is_some_and(|e| tolerance.is_met_by(&e))
+        self.estimate().is_some_and(|e| tolerance.is_met_by(&e))
     }
 
     fn answer(&self) -> Option<Self::Answer> {
-        self.done.estimate(match self.grid.per_stratum() {
-            1 => ErrorSource::NeighbouringStrata,
-            _ => ErrorSource::WithinStrata,
-        })
+        Some(self.estimate()?.with_evidence(self.done.evidence()))
     }
 }
 
