@@ -51,15 +51,17 @@ impl<V: Value> Evidence<V> {
         for k in 0..V::Components::COUNT {
             let moments = moments.component(k);
             let largest = tail.largest(k);
-            let n = moments.count() as f64;
+            // Of some of the values, or all of them.
+            let n = tail.seen() as f64;
             let spread = moments.sum_of_squares();
-            let share = |values: &[f64]| {
+            let part = n / (moments.count() + moments.non_finite()) as f64;
+            let share = |values: &[f64], part: f64| {
                 let mean = moments.mean().abs();
                 let apart = values.iter().map(|x| (x - mean) * (x - mean));
-                let share = apart.sum::<f64>() / spread;
+                let share = apart.sum::<f64>() / (spread * part);
                 if share.is_nan() { 0.0 } else { share.min(1.0) }
             };
-            evidence.largest_share.as_mut()[k] = share(&largest[..largest.len().min(1)]);
+            evidence.largest_share.as_mut()[k] = share(&[moments.largest()], 1.0);
             // As many as in Pareto smoothing.
             let points = (3.0 * n.sqrt()).min(n / 5.0) as usize;
             let points = points.min(largest.len().saturating_sub(1));
@@ -69,7 +71,7 @@ impl<V: Value> Evidence<V> {
             if let Some(fit) = Pareto::fit(&largest[..points], largest[points]) {
                 evidence.shape.as_mut()[k] = fit.shape;
                 evidence.shape_error.as_mut()[k] = fit.standard_error();
-                evidence.tail_share.as_mut()[k] = share(&largest[..points]);
+                evidence.tail_share.as_mut()[k] = share(&largest[..points], part);
             }
         }
         evidence

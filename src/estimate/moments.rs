@@ -270,6 +270,13 @@ impl<V: Value> Moments<V> {
         self.second.as_ref()[0].as_ref()[0]
     }
 
+    /// Whether the largest magnitude of a component does so.
+    #[inline]
+    pub(super) fn largest_exceeds(&self, floor: &V::Components) -> bool {
+        let largest = self.largest.as_ref().iter().zip(floor.as_ref());
+        largest.fold(false, |any, (largest, floor)| any | (largest > floor))
+    }
+
     /// max |x|: the largest weight f/p.
     #[must_use]
     pub fn largest(&self) -> V::Wide {

@@ -1,8 +1,8 @@
 //! The largest primary estimates.
 
-use core::cmp::Ordering;
 use core::marker::PhantomData;
 
+use super::Moments;
 use crate::merge::Merge;
 use crate::value::{Components, Value};
 
@@ -24,18 +24,24 @@ use crate::value::{Components, Value};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Tail<V: Value> {
-    /// With the number of the component: those that may belong to the largest, and
-    /// now and then nothing else.
-    kept: Vec<(usize, f64)>,
+    /// By component, or nothing yet: those that may belong to the largest, and now
+    /// and then no others.
+    kept: Vec<Vec<f64>>,
     /// What a component has to exceed to be among the largest.
     floor: V::Components,
+    /// How many values there were.
+    seen: u64,
     value: PhantomData<V>,
 }
 
 /// So many are kept of each component.
 pub(super) const KEPT: usize = 256;
+/// So many are collected before the largest of them are told from the rest.
+const COLLECTED: usize = 4 * KEPT;
 /// How many values are compared at once.
 const LANES: usize = 4;
+/// A slice with a large value is searched in pieces of this length.
+const PIECE: usize = 16;
 
 impl<V: Value> Default for Tail<V> {
     fn default() -> Self {
@@ -50,6 +56,7 @@ impl<V: Value> Tail<V> {
         Self {
             kept: Vec::new(),
             floor: V::Components::ZERO,
+            seen: 0,
             value: PhantomData,
         }
     }
@@ -60,6 +67,7 @@ impl<V: Value> Tail<V> {
         Self {
             kept: Vec::new(),
             floor: self.floor,
+            seen: 0,
             value: PhantomData,
         }
     }
@@ -67,66 +75,98 @@ impl<V: Value> Tail<V> {
     /// Adds a slice of values.
     #[inline]
     pub fn push_all(&mut self, values: &[V]) {
-        if V::Components::COUNT == 1 {
-            if largest_scalar(values) > self.floor.as_ref()[0] {
-                self.insert(values);
-            }
-            return;
+        self.seen += values.len() as u64;
+        if self.is_exceeded_by(values) {
+            self.insert(values);
         }
-        let mut exceeds = false;
+    }
+
+    /// Adds a slice of values that are the last of those that have these moments:
+    /// while none of all is large, there is nothing to look for.
+    #[inline]
+    pub(crate) fn push_last_of(&mut self, moments: &Moments<V>, values: &[V]) {
+        if moments.largest_exceeds(&self.floor) {
+            self.push_all(values);
+        } else {
+            self.seen += values.len() as u64;
+        }
+    }
+
+    /// How many values were added.
+    pub(super) const fn seen(&self) -> u64 {
+        self.seen
+    }
+
+    /// Whether any component of any of these is larger than its floor.
+    #[inline]
+    fn is_exceeded_by(&self, values: &[V]) -> bool {
+        if V::Components::COUNT == 1 {
+            return largest_scalar(values) > self.floor.as_ref()[0];
+        }
+        let mut exceeded = false;
         for value in values {
             let components = value.components();
             for (x, floor) in components.as_ref().iter().zip(self.floor.as_ref()) {
-                exceeds |= x.abs() > *floor;
+                exceeded |= x.abs() > *floor;
             }
         }
-        if exceeds {
-            self.insert(values);
-        }
+        exceeded
     }
 
     /// The slow way, for a slice in which something is large.
     #[inline(never)]
     fn insert(&mut self, values: &[V]) {
-        for value in values {
-            let components = value.components();
-            let components = components.as_ref();
-            if !components.iter().all(|x| x.is_finite()) {
+        if self.kept.is_empty() {
+            self.kept.resize(V::Components::COUNT, Vec::new());
+        }
+        for piece in values.chunks(PIECE) {
+            if !self.is_exceeded_by(piece) {
                 continue;
             }
-            for (k, x) in components.iter().enumerate() {
-                if x.abs() > self.floor.as_ref()[k] {
-                    self.kept.push((k, x.abs()));
+            for value in piece {
+                let components = value.components();
+                let components = components.as_ref();
+                if !components.iter().all(|x| x.is_finite()) {
+                    continue;
                 }
-            }
-            if self.kept.len() >= 2 * KEPT * V::Components::COUNT {
-                self.prune();
+                for (k, x) in components.iter().enumerate() {
+                    if x.abs() > self.floor.as_ref()[k] {
+                        self.kept[k].push(x.abs());
+                        self.prune(k);
+                    }
+                }
             }
         }
     }
 
-    /// Keeps the largest alone.
-    fn prune(&mut self) {
-        self.kept.sort_unstable_by(order);
-        let (mut component, mut rank) = (0, 0);
-        let floor = self.floor.as_mut();
-        self.kept.retain(|&(k, x)| {
-            if k != component {
-                (component, rank) = (k, 0);
-            }
-            rank += 1;
-            if rank == KEPT {
-                floor[k] = x;
-            }
-            rank <= KEPT
-        });
+    /// Keeps the largest alone, once there are many others.
+    #[inline]
+    fn prune(&mut self, k: usize) {
+        if self.kept[k].len() >= COLLECTED {
+            self.keep_largest(k);
+        }
+    }
+
+    /// Keeps the largest alone, so that what is to be merged has to be as large.
+    pub(crate) fn settle(&mut self) {
+        for k in 0..self.kept.len() {
+            self.keep_largest(k);
+        }
+    }
+
+    fn keep_largest(&mut self, k: usize) {
+        let kept = &mut self.kept[k];
+        if kept.len() >= KEPT {
+            let (_, floor, _) = kept.select_nth_unstable_by(KEPT - 1, |a, b| b.total_cmp(a));
+            self.floor.as_mut()[k] = *floor;
+            kept.truncate(KEPT);
+        }
     }
 
     /// The largest magnitudes of a component, 256 at most, from the largest down.
     #[must_use]
     pub fn largest(&self, component: usize) -> Vec<f64> {
-        let of = self.kept.iter().filter(|(k, _)| *k == component);
-        let mut largest: Vec<f64> = of.map(|&(_, x)| x).collect();
+        let mut largest = self.kept.get(component).cloned().unwrap_or_default();
         largest.sort_unstable_by(|a, b| b.total_cmp(a));
         largest.truncate(KEPT);
         largest
@@ -134,24 +174,20 @@ impl<V: Value> Tail<V> {
 }
 
 impl<V: Value> Merge for Tail<V> {
-    fn merge(&mut self, mut right: Self) {
+    fn merge(&mut self, right: Self) {
+        self.seen += right.seen;
         for (floor, other) in self.floor.as_mut().iter_mut().zip(right.floor.as_ref()) {
             *floor = floor.max(*other);
         }
         if self.kept.is_empty() {
-            core::mem::swap(&mut self.kept, &mut right.kept);
-        } else {
-            self.kept.append(&mut right.kept);
+            self.kept = right.kept;
+            return;
         }
-        if self.kept.len() >= 2 * KEPT * V::Components::COUNT {
-            self.prune();
+        for (k, mut other) in right.kept.into_iter().enumerate() {
+            self.kept[k].append(&mut other);
+            self.prune(k);
         }
     }
-}
-
-/// By component, from the largest down.
-fn order(a: &(usize, f64), b: &(usize, f64)) -> Ordering {
-    a.0.cmp(&b.0).then(b.1.total_cmp(&a.1))
 }
 
 /// max |x|, those that are NaN left out.

@@ -226,8 +226,8 @@ where
             block,
             self.non_finite,
             &mut moments,
-            |slice| {
-                tail.push_all(slice);
+            |moments, slice| {
+                tail.push_last_of(moments, slice);
                 for primary in slice {
                     folds[(sample % FOLDS as u64) as usize].push(primary);
                     sample += 1;
@@ -253,6 +253,7 @@ where
         self.next = self.plan.after(blocks);
         self.moments.merge(pass.moments);
         self.tail.merge(pass.tail);
+        self.tail.settle();
         self.folds
             .iter_mut()
             .zip(pass.folds)

@@ -11,6 +11,7 @@ mod sample_block;
 mod sample_error;
 mod strata;
 mod stratified_monte_carlo;
+mod thinned;
 mod vegas;
 
 pub use controlled_estimate::ControlledEstimate;

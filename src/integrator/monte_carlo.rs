@@ -119,7 +119,7 @@ impl<E: TryEstimator, S: Iid> Integrator for MonteCarlo<E, S> {
             self.plan.block(index),
             self.non_finite,
             &mut moments,
-            |slice| tail.push_all(slice),
+            |moments, slice| tail.push_last_of(moments, slice),
         )
         .err();
         let ended = failure.is_some();
@@ -144,6 +144,7 @@ impl<E: TryEstimator, S: Iid> Integrator for MonteCarlo<E, S> {
         last.merge(pass.moments);
         self.moments.merge(pass.moments);
         self.tail.merge(pass.tail);
+        self.tail.settle();
         match pass.failure {
             None => Ok(()),
             Some(failure) => Err(failure.explain(&self.sampler, &self.estimator)),

@@ -268,7 +268,7 @@ impl<E: TryEstimator, S: Randomize> Integrator for RandomizedQmc<E, S> {
             self.plan.block(index % self.plan.blocks()),
             self.non_finite,
             &mut moments,
-            |slice| tail.push_all(slice),
+            |moments, slice| tail.push_last_of(moments, slice),
         )
         .err();
         let ended = failure.is_some();
@@ -307,6 +307,7 @@ impl<E: TryEstimator, S: Randomize> Integrator for RandomizedQmc<E, S> {
                 done.merge(*open);
             }
             self.tail.merge(core::mem::take(&mut self.open_tail));
+            self.tail.settle();
             self.close();
         }
         Ok(())

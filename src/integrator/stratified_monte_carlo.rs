@@ -6,6 +6,7 @@ use super::plan::Plan;
 use super::sample_block::{is_finite, sample_block};
 use super::sample_error::Failure;
 use super::strata::{Strata, Walk};
+use super::thinned::Thinned;
 use super::{Integrator, NonFinite, SampleError};
 use crate::estimate::{ErrorSource, Estimate, Moments, Tolerance};
 use crate::estimator::TryEstimator;
@@ -141,15 +142,15 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
         let mut strata = Strata::default();
         let mut walk = Walk::new(&self.grid, block.start);
         let mut moments = Moments::new();
-        let mut tail = self.done.tail.continued();
+        let mut thinned = Thinned::new(&self.done.tail, block.index);
         let failure = sample_block(
             &self.grid,
             &self.estimator,
             block,
             self.non_finite,
             &mut moments,
-            |slice| {
-                tail.push_all(slice);
+            |_, slice| {
+                thinned.push_all(slice);
                 match self.non_finite {
                     NonFinite::Refuse => walk.over_finite(slice, &mut strata),
                     NonFinite::SetAside => {
@@ -172,7 +173,7 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
             });
         }
         strata.moments = moments;
-        strata.tail = tail;
+        strata.tail = thinned.tail;
         ControlFlow::Continue(StratifiedPartial {
             strata,
             taken,
@@ -195,6 +196,7 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
         }
         if self.next.1.is_multiple_of(sweep) {
             self.done.merge(core::mem::take(&mut self.open));
+            self.done.tail.settle();
         }
         Ok(())
     }

@@ -304,6 +304,7 @@ impl<E: TryEstimator> Vegas<E> {
         });
         self.spreads = pass.spreads;
         self.tail.merge(pass.strata.tail);
+        self.tail.settle();
         let largest = estimate.moments.largest().components();
         for (scale, x) in self.scales.as_mut().iter_mut().zip(largest.as_ref()) {
             *scale = if x.is_normal() { 1.0 / x } else { *scale };

@@ -40,10 +40,10 @@ impl<E: TryEstimator> Sweep<'_, E> {
         let mut moments = Moments::new();
         let mut walk = Walk::new(self.strata, strata, self.scales.as_ref());
         let mut tail = self.tail.continued();
-        let see = |slice: &[Wide<E>]| {
+        let see = |moments: &Moments<Wide<E>>, slice: &[Wide<E>]| {
             walk.over(slice);
             if !self.lesson {
-                tail.push_all(slice);
+                tail.push_last_of(moments, slice);
             }
         };
         let (failure, histogram) = if self.lesson {
