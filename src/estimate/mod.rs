@@ -1,6 +1,8 @@
 //! The answer: a mean with an error bar, and what stands behind it.
 
 mod display;
+mod histogram;
+mod histogram_error;
 mod interval;
 mod moments;
 mod ratio;
@@ -10,6 +12,8 @@ mod sums;
 mod tolerance;
 
 pub(crate) use display::with_errors;
+pub use histogram::Histogram;
+pub use histogram_error::HistogramError;
 pub use interval::{ConfidenceInterval, LevelError};
 pub use moments::Moments;
 pub use ratio::{Ratio, RatioError};

@@ -52,6 +52,10 @@ pub struct MonteCarloPartial<V: Value, E> {
     failure: Option<Failure<V, E>>,
 }
 
+/// What came of a block, and whether the run ends with it.
+type BlockOf<E> = ControlFlow<Partial<E>, Partial<E>>;
+type Partial<E> = MonteCarloPartial<<E as TryEstimator>::Value, <E as TryEstimator>::Error>;
+
 impl<V: Value, E> Merge for MonteCarloPartial<V, E> {
     fn merge(&mut self, right: Self) {
         self.moments.merge(right.moments);
@@ -76,6 +80,40 @@ impl<E: TryEstimator, S: Iid> MonteCarlo<E, S> {
     #[must_use]
     pub fn on_non_finite(self, non_finite: NonFinite) -> Self {
         Self { non_finite, ..self }
+    }
+}
+
+impl<E: TryEstimator, S: Iid> MonteCarlo<E, S> {
+    /// A block by an estimator that does what `self`'s own does, and more; `see` is
+    /// shown its values.
+    #[inline]
+    pub(super) fn block_of<T: TryEstimator<Value = E::Value, Error = E::Error>>(
+        &self,
+        estimator: &T,
+        index: u64,
+        see: impl FnMut(&[E::Value]),
+    ) -> BlockOf<E> {
+        let mut moments = Moments::new();
+        let failure = sample_block(
+            &self.sampler,
+            estimator,
+            self.plan.block(index),
+            self.non_finite,
+            &mut moments,
+            see,
+        )
+        .err();
+        let ended = failure.is_some();
+        let partial = MonteCarloPartial { moments, failure };
+        if ended {
+            ControlFlow::Break(partial)
+        } else {
+            ControlFlow::Continue(partial)
+        }
+    }
+
+    pub(super) const fn estimator(&self) -> &E {
+        &self.estimator
     }
 }
 
@@ -104,23 +142,7 @@ impl<E: TryEstimator, S: Iid> Integrator for MonteCarlo<E, S> {
     }
 
     fn block(&self, index: u64) -> ControlFlow<Self::Partial, Self::Partial> {
-        let mut moments = Moments::new();
-        let failure = sample_block(
-            &self.sampler,
-            &self.estimator,
-            self.plan.block(index),
-            self.non_finite,
-            &mut moments,
-            |_| (),
-        )
-        .err();
-        let ended = failure.is_some();
-        let partial = MonteCarloPartial { moments, failure };
-        if ended {
-            ControlFlow::Break(partial)
-        } else {
-            ControlFlow::Continue(partial)
-        }
+        self.block_of(&self.estimator, index, |_| ())
     }
 
     fn absorb(&mut self, pass: Self::Partial, blocks: u64) -> Result<(), Self::Error> {
