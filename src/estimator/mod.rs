@@ -20,7 +20,7 @@ pub use antithetic::Antithetic;
 pub use control_variates::ControlVariates;
 pub use controlled::{Controlled, ControlsError};
 pub use density_controls::DensityControls;
-pub use events::{Event, Unweighted, UnweightedError};
+pub use events::{Event, Unweighted, UnweightedError, largest_weight};
 pub use fixed_coefficients::FixedCoefficients;
 pub use from_fn::FromFn;
 pub use heuristic::{Exponent, ExponentError, Heuristic};

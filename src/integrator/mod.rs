@@ -2,6 +2,7 @@
 
 mod controlled_estimate;
 mod controlled_monte_carlo;
+mod histogram_monte_carlo;
 mod median;
 mod monte_carlo;
 mod plan;
@@ -16,6 +17,7 @@ mod vegas;
 
 pub use controlled_estimate::ControlledEstimate;
 pub use controlled_monte_carlo::ControlledMonteCarlo;
+pub use histogram_monte_carlo::HistogramMonteCarlo;
 pub use median::Median;
 pub use monte_carlo::MonteCarlo;
 pub use randomized_qmc::{RandomizedQmc, RandomizedQmcError, ReplicateError};

@@ -56,6 +56,10 @@ pub struct MonteCarloPartial<V: Value, E> {
     failure: Option<Failure<V, E>>,
 }
 
+/// What came of a block, and whether the run ends with it.
+type BlockOf<E> = ControlFlow<Partial<E>, Partial<E>>;
+type Partial<E> = MonteCarloPartial<<E as TryEstimator>::Value, <E as TryEstimator>::Error>;
+
 impl<V: Value, E> Merge for MonteCarloPartial<V, E> {
     fn merge(&mut self, right: Self) {
         self.moments.merge(right.moments);
@@ -86,6 +90,48 @@ impl<E: TryEstimator, S: Iid> MonteCarlo<E, S> {
     }
 }
 
+impl<E: TryEstimator, S: Iid> MonteCarlo<E, S> {
+    /// A block by an estimator that does what `self`'s own does, and more; `see` is
+    /// shown its values.
+    #[inline]
+    pub(super) fn block_of<T: TryEstimator<Value = E::Value, Error = E::Error>>(
+        &self,
+        estimator: &T,
+        index: u64,
+        mut see: impl FnMut(&[E::Value]),
+    ) -> BlockOf<E> {
+        let mut moments = Moments::new();
+        let mut tail = self.tail.continued();
+        let failure = sample_block(
+            &self.sampler,
+            estimator,
+            self.plan.block(index),
+            self.non_finite,
+            &mut moments,
+            |moments, slice| {
+                tail.push_last_of(moments, slice);
+                see(slice);
+            },
+        )
+        .err();
+        let ended = failure.is_some();
+        let partial = MonteCarloPartial {
+            moments,
+            tail,
+            failure,
+        };
+        if ended {
+            ControlFlow::Break(partial)
+        } else {
+            ControlFlow::Continue(partial)
+        }
+    }
+
+    pub(super) const fn estimator(&self) -> &E {
+        &self.estimator
+    }
+}
+
 /// A first pass large enough to judge an error by; later ones half of what
 /// came before, so that a tolerance is not overshot by much.
 const FIRST_PASS: u64 = 1024;
@@ -111,28 +157,7 @@ impl<E: TryEstimator, S: Iid> Integrator for MonteCarlo<E, S> {
     }
 
     fn block(&self, index: u64) -> ControlFlow<Self::Partial, Self::Partial> {
-        let mut moments = Moments::new();
-        let mut tail = self.tail.continued();
-        let failure = sample_block(
-            &self.sampler,
-            &self.estimator,
-            self.plan.block(index),
-            self.non_finite,
-            &mut moments,
-            |moments, slice| tail.push_last_of(moments, slice),
-        )
-        .err();
-        let ended = failure.is_some();
-        let partial = MonteCarloPartial {
-            moments,
-            tail,
-            failure,
-        };
-        if ended {
-            ControlFlow::Break(partial)
-        } else {
-            ControlFlow::Continue(partial)
-        }
+        self.block_of(&self.estimator, index, |_| ())
     }
 
     fn absorb(&mut self, pass: Self::Partial, blocks: u64) -> Result<(), Self::Error> {

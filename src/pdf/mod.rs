@@ -60,6 +60,7 @@ pub use discrete_cdf::DiscreteCdf;
 pub use disk::{ConcentricDisk, ConcentricDiskError};
 pub use exponential::{Exponential, ExponentialError};
 pub use grid_error::AdaptiveGridError;
+pub(crate) use grid_error::MOST_CELLS;
 pub use grid_histogram::GridHistogram;
 pub use interval::{Interval, IntervalError};
 pub use inverse_cdf::{InverseCdf, InverseCdfError};

@@ -35,6 +35,9 @@ use sweep::{Sweep, SweepPartial, Wide};
 /// would favour passes that happen to have missed something.) Strata learn all the
 /// way.
 ///
+/// An integrand that is 0 wherever it was looked at has the answer 0(0): nothing
+/// can be learned from it, and nothing tells it from one whose peak was missed.
+///
 /// All components of a vector are learned from, each in units of its largest
 /// value so far.
 ///
@@ -143,11 +146,16 @@ impl<E: TryEstimator> Vegas<E> {
     }
 
     /// Goes on from a `grid` that has learned already, in another run or on
-    /// another integrand, or that will not learn any more.
+    /// another integrand, or that will not learn any more
+    /// ([`Learning::frozen`]).
+    ///
+    /// The first pass sees the grid as it is. If that is a lesson, the grid is cut
+    /// anew after it, like any other, into as many cells as samples can tell apart:
+    /// one that knows more than a budget can teach is better frozen.
     ///
     /// # Errors
     ///
-    /// α and β lie in [0, 1], the share in [0, 1).
+    /// α and β lie in [0, 1], the share in [0, 1), 1 ≤ cells ≤ 2²⁰.
     pub fn from_grid(
         estimator: E,
         grid: AdaptiveGrid,
@@ -239,7 +247,8 @@ impl<E: TryEstimator> Vegas<E> {
                 answers: 1,
             }
         };
-        if let (true, Some(&first)) = (self.spent == 0, self.round.lessons.first()) {
+        // The identity has as many cells as are wanted; any other grid is as it is.
+        if let (1, Some(&first)) = (self.mapped.grid.cells(), self.round.lessons.first()) {
             let cells = self.cells_for(first);
             self.mapped.grid = self.mapped.grid.with_cells(cells);
         }
@@ -248,7 +257,7 @@ impl<E: TryEstimator> Vegas<E> {
     /// How many cells a lesson of so many samples can tell apart.
     fn cells_for(&self, samples: u64) -> usize {
         let cells = usize::try_from(samples / PER_CELL).unwrap_or(usize::MAX);
-        cells.clamp(1, self.learning.cells.max(1))
+        cells.clamp(1, self.learning.cells)
     }
 
     /// Lays the strata out for a pass of `samples` samples, and returns whether

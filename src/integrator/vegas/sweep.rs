@@ -97,7 +97,7 @@ struct Pupil<'a, E> {
 }
 
 struct Notes {
-    /// Those of the sample at hand.
+    /// Those of the sample at hand, along the axes that it has read.
     cells: Vec<usize>,
     histogram: GridHistogram,
 }
@@ -105,7 +105,7 @@ struct Notes {
 impl<'a, E> Pupil<'a, E> {
     fn new(mapped: &'a Mapped<E>, scales: &'a [f64]) -> Self {
         let notes = Notes {
-            cells: vec![0; mapped.grid.dimension()],
+            cells: Vec::with_capacity(mapped.grid.dimension()),
             histogram: GridHistogram::of(&mapped.grid),
         };
         Self {
@@ -125,9 +125,8 @@ impl<E: TryEstimator> TryEstimator for Pupil<'_, E> {
         // Borrowed while the integrand runs: it cannot get at this pupil.
         let notes = &mut *self.notes.borrow_mut();
         let Mapped { grid, estimator } = self.mapped;
-        let value = through(grid, estimator, u, |axis, node| {
-            notes.cells[axis] = node.cell;
-        })?;
+        notes.cells.clear();
+        let value = through(grid, estimator, u, |_, node| notes.cells.push(node.cell))?;
         let square = |(x, scale): (&f64, &f64)| (x * scale) * (x * scale);
         let components = value.components();
         let terms = components.as_ref().iter().zip(self.scales).map(square);
@@ -238,5 +237,36 @@ impl<V: Value, E> Merge for SweepPartial<V, E> {
         self.histogram.merge(right.histogram);
         self.taken += right.taken;
         self.failure = self.failure.take().or(right.failure);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimator::FromFn;
+    use crate::pdf::AdaptiveGrid;
+    use crate::sampler::{Replay, Sampler};
+
+    /// A coordinate that a sample does not read tells nothing of it: not even where
+    /// the sample before has read it.
+    #[test]
+    fn what_is_not_read_is_not_learned_from() {
+        let estimator = FromFn(|u: &mut dyn Coordinates| match u.next_1d() {
+            x if x < 0.5 => 3.0,
+            _ => 1.0 + u.next_1d(),
+        });
+        let mapped = Mapped::new(AdaptiveGrid::new(2, 2).unwrap(), estimator);
+        let pupil = Pupil::new(&mapped, &[1.0]);
+        let replay = Replay::new([[0.75, 0.5], [0.25, 0.0]]).unwrap();
+        let (index, start, len) = (0, 0, 2);
+        let mut points = replay.stream(Block { index, start, len });
+        for value in [1.5, 3.0] {
+            points.next_point();
+            assert_eq!(pupil.try_estimate(&mut points), Ok(value));
+        }
+        let mut expected = GridHistogram::of(&mapped.grid);
+        expected.add(&[1, 1], 1.5 * 1.5);
+        expected.add(&[0], 3.0 * 3.0);
+        assert_eq!(pupil.notes.into_inner().histogram, expected);
     }
 }
