@@ -47,6 +47,11 @@ pub struct MonteCarlo<E: TryEstimator, S = Independent> {
 
 /// What a block of [`MonteCarlo`] contributes.
 #[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
 pub struct MonteCarloPartial<V: Value, E> {
     moments: Moments<V>,
     failure: Option<Failure<V, E>>,
@@ -142,5 +147,26 @@ impl<E: TryEstimator, S: Iid> Integrator for MonteCarlo<E, S> {
 
     fn answer(&self) -> Option<Self::Answer> {
         Estimate::independent(&self.moments)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<E: TryEstimator, S: Iid + core::fmt::Debug> super::Resumable for MonteCarlo<E, S> {
+    type State = (Moments<E::Value>, (u64, u64), Plan);
+
+    fn state(&self) -> impl serde::Serialize {
+        (&self.moments, self.next, self.plan)
+    }
+
+    fn restore(&mut self, state: Self::State) -> Result<(), super::StateError> {
+        (self.moments, self.next, self.plan) = state;
+        Ok(())
+    }
+
+    fn fingerprint(&self) -> super::Fingerprint {
+        super::Fingerprint::of::<Self>()
+            .with("sampler", &self.sampler)
+            .with("non-finite values", &self.non_finite)
+            .probing(&self.sampler, &self.estimator)
     }
 }

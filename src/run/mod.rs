@@ -2,10 +2,12 @@
 
 mod driver;
 mod executor;
+mod progress;
 mod stop;
 
-pub use driver::{Finished, Progress, Reason, RunError, run, run_with};
+pub use driver::{Finished, Reason, RunError, run, run_with};
 #[cfg(feature = "parallel")]
 pub use executor::Threads;
 pub use executor::{Executor, Pass, Serial};
+pub use progress::Progress;
 pub use stop::{Cancel, Stop, StopError};
