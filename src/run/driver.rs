@@ -2,6 +2,7 @@
 
 use core::fmt;
 use core::time::Duration;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use super::{Executor, Pass, Progress, Stop, StopError};
@@ -241,8 +242,11 @@ pub(super) fn drive<I: Integrator>(
         // A pass that is interrupted is saved as it is, to be resumed as if it had
         // not been; then what there is of it becomes part of this run's answer.
         saved = loop {
+            // A block at least goes between two saves.
             let due = saving.due(integrator, true);
-            let go_on = || !cancelled() && !late() && !past(due);
+            let begun = AtomicBool::new(false);
+            let save = || due.is_some() && begun.swap(true, Ordering::Relaxed) && past(due);
+            let go_on = || !cancelled() && !late() && !save();
             executor.pass(integrator, &mut pass, blocks, &go_on);
             if pass.has_ended() || pass.next() >= blocks {
                 break false;

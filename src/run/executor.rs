@@ -22,6 +22,11 @@ pub trait Executor<I: Integrator> {
         go_on: &(dyn Fn() -> bool + Sync),
     );
 
+    /// How many blocks it computes at a time. Provided: one.
+    fn width(&self) -> u64 {
+        1
+    }
+
     /// Whether this process is the one that saves; the others of a run on several
     /// have the same answer, and write nothing. Provided: there are no others.
     fn leads(&self) -> bool {
@@ -212,6 +217,10 @@ mod threads {
                     scope.spawn(|_| work());
                 }
             });
+        }
+
+        fn width(&self) -> u64 {
+            rayon::current_num_threads() as u64
         }
     }
 }
