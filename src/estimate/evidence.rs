@@ -9,17 +9,28 @@ use crate::value::{Components, Value};
 ///
 /// [`Estimate::diagnosis`](super::Estimate::diagnosis) judges it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
 pub struct Evidence<V: Value> {
     /// k̂ of the largest |f/p|, and its standard error; −∞ and 0 where there is none.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     pub(super) shape: V::Components,
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     pub(super) shape_error: V::Components,
     /// What part of Σ (x − x̄)² the values have that k̂ was fitted to.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     pub(super) tail_share: V::Components,
     /// That of the largest |x| alone.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     pub(super) largest_share: V::Components,
     /// Q, the probability that parts of the run differ by more.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     pub(super) agreement: V::Components,
     /// By how many standard errors |⟨I⟩| grew from the first part to the last.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     pub(super) growth: V::Components,
     /// How many effective samples a map learned from; ∞ where nothing was learned.
     pub(super) lesson: f64,

@@ -50,13 +50,24 @@ use crate::value::{Components, Value};
 /// # Ok::<(), &str>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
 pub struct Estimate<V: Value> {
     /// The estimate ⟨I⟩.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::wide"))]
     pub mean: V::Wide,
     /// The standard deviation of the estimate, infinite where the samples are
     /// too few to tell.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::wide"))]
     pub standard_error: V::Wide,
     /// The covariance of the components of the estimate.
+    #[cfg_attr(
+        feature = "serde",
+        serde(with = "crate::serial::Matrix::<V::Components>")
+    )]
     pub covariance: <V::Components as Components>::Matrix,
     /// Of Student's t for the error bar.
     pub degrees_of_freedom: f64,
@@ -71,6 +82,7 @@ pub struct Estimate<V: Value> {
 
 /// What an error bar was taken from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum ErrorSource {
     /// The spread of independent points: σ/√n.

@@ -29,14 +29,27 @@ use crate::value::{Components, Value};
 /// Variance* (1983); Pébay, *Formulas for Robust, One-Pass Parallel
 /// Computation of Covariances and Arbitrary-Order Statistical Moments* (2008).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
 pub struct Moments<V: Value> {
     count: u64,
     non_finite: u64,
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     mean: V::Components,
     /// Lower triangle of Σ (x − x̄)(x − x̄)ᵀ.
+    #[cfg_attr(
+        feature = "serde",
+        serde(with = "crate::serial::Matrix::<V::Components>")
+    )]
     second: <V::Components as Components>::Matrix,
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     third: V::Components,
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     fourth: V::Components,
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     largest: V::Components,
 }
 

@@ -23,11 +23,17 @@ use crate::value::{Components, Value};
 /// assert_eq!(tail.largest(0), [3.0, 2.0, 1.0]);
 /// ```
 #[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
 pub struct Tail<V: Value> {
     /// By component, or nothing yet: those that may belong to the largest, and now
     /// and then no others.
     kept: Vec<Vec<f64>>,
     /// What a component has to exceed to be among the largest.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     floor: V::Components,
     /// How many values there were.
     seen: u64,

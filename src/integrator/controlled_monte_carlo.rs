@@ -79,6 +79,11 @@ type Folds<V, const K: usize> = [Products<V, K>; FOLDS];
 
 /// What a block of [`ControlledMonteCarlo`] contributes.
 #[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
 pub struct ControlledPartial<V: Value, const K: usize, E> {
     moments: Moments<Controlled<V, K>>,
     tail: Tail<Controlled<V, K>>,
@@ -327,5 +332,39 @@ where
             dropped,
             off,
         })
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<V, E, S, const K: usize> super::Resumable for ControlledMonteCarlo<E, V, K, S>
+where
+    V: Value,
+    E: TryEstimator<Value = Controlled<V, K>>,
+    S: Iid + core::fmt::Debug,
+{
+    type State = (
+        Moments<Controlled<V, K>>,
+        Tail<Controlled<V, K>>,
+        Folds<V, K>,
+        (u64, u64),
+        Plan,
+    );
+
+    fn state(&self) -> impl serde::Serialize {
+        (&self.moments, &self.tail, &self.folds, self.next, self.plan)
+    }
+
+    fn restore(&mut self, state: Self::State) -> Result<(), super::StateError> {
+        (self.moments, self.tail, self.folds, self.next, self.plan) = state;
+        Ok(())
+    }
+
+    fn fingerprint(&self) -> super::Fingerprint {
+        super::Fingerprint::of::<Self>()
+            .with("sampler", &self.sampler)
+            .with("expectations", &self.expectations)
+            .with("coefficients", &self.fixed)
+            .with("non-finite values", &self.non_finite)
+            .probing(&self.sampler, &self.estimator)
     }
 }

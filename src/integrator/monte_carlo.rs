@@ -50,6 +50,11 @@ pub struct MonteCarlo<E: TryEstimator, S = Independent> {
 
 /// What a block of [`MonteCarlo`] contributes.
 #[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
 pub struct MonteCarloPartial<V: Value, E> {
     moments: Moments<V>,
     tail: Tail<V>,
@@ -191,5 +196,26 @@ impl<E: TryEstimator, S: Iid> Integrator for MonteCarlo<E, S> {
             evidence = evidence.with_parts(first, last);
         }
         Some(Estimate::independent(&self.moments)?.with_evidence(evidence))
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<E: TryEstimator, S: Iid + core::fmt::Debug> super::Resumable for MonteCarlo<E, S> {
+    type State = (Moments<E::Value>, Tail<E::Value>, (u64, u64), Plan);
+
+    fn state(&self) -> impl serde::Serialize {
+        (&self.moments, &self.tail, self.next, self.plan)
+    }
+
+    fn restore(&mut self, state: Self::State) -> Result<(), super::StateError> {
+        (self.moments, self.tail, self.next, self.plan) = state;
+        Ok(())
+    }
+
+    fn fingerprint(&self) -> super::Fingerprint {
+        super::Fingerprint::of::<Self>()
+            .with("sampler", &self.sampler)
+            .with("non-finite values", &self.non_finite)
+            .probing(&self.sampler, &self.estimator)
     }
 }

@@ -355,6 +355,11 @@ impl<E: TryEstimator, S: Randomize> RandomizedQmc<E, S> {
 /// What a block of [`RandomizedQmc`] contributes; merged, what successive
 /// replicates do.
 #[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
 pub struct RandomizedQmcPartial<V: Value, E> {
     first: u64,
     replicates: Vec<Moments<V>>,
@@ -373,5 +378,47 @@ impl<V: Value, E> Merge for RandomizedQmcPartial<V, E> {
         self.replicates.extend(following);
         self.tail.merge(right.tail);
         self.failure = self.failure.take().or(right.failure);
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<E, S> super::Resumable for RandomizedQmc<E, S>
+where
+    E: TryEstimator,
+    S: Randomize + fmt::Debug,
+{
+    type State = (
+        [Vec<Moments<E::Value>>; 2],
+        [Tail<E::Value>; 2],
+        [u64; 4], // points, spent, begun, next
+        Plan,
+    );
+
+    fn state(&self) -> impl serde::Serialize {
+        let numbers = [self.points, self.spent, self.begun, self.next];
+        let tails = [&self.tail, &self.open_tail];
+        ([&self.done, &self.open], tails, numbers, self.plan)
+    }
+
+    fn restore(&mut self, state: Self::State) -> Result<(), super::StateError> {
+        let ([done, open], tails, numbers, plan) = state;
+        for moments in [&done, &open] {
+            super::StateError::unless_equal("replicates", moments.len(), self.replicates.len())?;
+        }
+        (self.done, self.open, self.plan) = (done, open, plan);
+        [self.tail, self.open_tail] = tails;
+        [self.points, self.spent, self.begun, self.next] = numbers;
+        Ok(())
+    }
+
+    fn fingerprint(&self) -> super::Fingerprint {
+        let print = super::Fingerprint::of::<Self>()
+            .with("replicates", &self.replicates.len())
+            .with("first replicate", &self.replicates.first())
+            .with("non-finite values", &self.non_finite);
+        match self.replicates.first() {
+            Some(sampler) => print.probing(sampler, &self.estimator),
+            None => print,
+        }
     }
 }

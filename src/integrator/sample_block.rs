@@ -36,7 +36,7 @@ pub(crate) fn sample_block<S: Sampler, E: TryEstimator>(
 ) -> Result<(), Failure<E::Value, E::Error>> {
     let mut points = sampler.stream(block);
     let fail = |offset, cause| Failure {
-        cause,
+        cause: Some(cause),
         block,
         offset,
     };

@@ -7,16 +7,27 @@ use crate::value::{Components, Value};
 
 /// Sums over strata.
 #[derive(Clone, Debug)]
-pub(super) struct Strata<V: Value> {
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
+pub struct Strata<V: Value> {
     /// Σ ȳₘ, over `count` strata.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     means: V::Components,
     count: u64,
     /// Σ of estimates of the covariance of a ȳₘ, over `terms` of them.
+    #[cfg_attr(
+        feature = "serde",
+        serde(with = "crate::serial::Matrix::<V::Components>")
+    )]
     covariances: <V::Components as Components>::Matrix,
     terms: u64,
     /// For the degrees of freedom: Σ ν, and Σ v²/(ν + 2) of the variances v on
     /// the diagonal, since E v² is their square times (ν + 2)/ν.
     freedom: f64,
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     squares: V::Components,
     /// Of strata of one sample each: the means at either end, for the pair with
     /// what comes before and after.
@@ -30,10 +41,17 @@ pub(super) struct Strata<V: Value> {
 /// The first and the last of a number of strata in sequence; no mean where no
 /// value was finite.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "C: Components")
+)]
 struct Ends<C> {
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::maybe"))]
     first: Option<C>,
     /// Whether the first begins a row: it has no neighbour before it.
     begins_row: bool,
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::maybe"))]
     last: Option<C>,
 }
 

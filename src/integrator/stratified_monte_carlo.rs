@@ -216,6 +216,11 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
 
 /// What a block of [`StratifiedMonteCarlo`] contributes.
 #[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
 pub struct StratifiedPartial<V: Value, E> {
     strata: Strata<V>,
     /// Samples, those of a block that failed included.
@@ -228,5 +233,30 @@ impl<V: Value, E> Merge for StratifiedPartial<V, E> {
         self.strata.merge(right.strata);
         self.taken += right.taken;
         self.failure = self.failure.take().or(right.failure);
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<const D: usize, E, J> super::Resumable for StratifiedMonteCarlo<D, E, J>
+where
+    E: TryEstimator,
+    J: Iid + core::fmt::Debug,
+{
+    type State = (Strata<E::Value>, Strata<E::Value>, u64, (u64, u64), Plan);
+
+    fn state(&self) -> impl serde::Serialize {
+        (&self.done, &self.open, self.spent, self.next, self.plan)
+    }
+
+    fn restore(&mut self, state: Self::State) -> Result<(), super::StateError> {
+        (self.done, self.open, self.spent, self.next, self.plan) = state;
+        Ok(())
+    }
+
+    fn fingerprint(&self) -> super::Fingerprint {
+        super::Fingerprint::of::<Self>()
+            .with("sampler", &self.grid)
+            .with("non-finite values", &self.non_finite)
+            .probing(&self.grid, &self.estimator)
     }
 }

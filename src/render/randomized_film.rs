@@ -204,3 +204,31 @@ impl<E: TryEstimator<Value = DVec3>, S: Randomize> Integrator for RandomizedFilm
         self.tiles.image(self.replicates, self.points)
     }
 }
+
+#[cfg(feature = "serde")]
+impl<E, S> crate::integrator::Resumable for RandomizedFilm<E, S>
+where
+    E: TryEstimator<Value = DVec3>,
+    S: Randomize + core::fmt::Debug,
+{
+    type State = (Tiles, u64);
+
+    fn state(&self) -> impl serde::Serialize {
+        (&self.tiles, self.lost)
+    }
+
+    fn restore(&mut self, state: Self::State) -> Result<(), crate::integrator::StateError> {
+        self.tiles.restore(state.0)?;
+        self.lost = state.1;
+        Ok(())
+    }
+
+    fn fingerprint(&self) -> crate::integrator::Fingerprint {
+        crate::integrator::Fingerprint::of::<Self>()
+            .with("sampler", &self.sampler)
+            .with("points", &self.points)
+            .with("replicates", &self.replicates)
+            .with("pixel size", &self.pixel_size)
+            .probing(&self.sampler, &self.estimator)
+    }
+}

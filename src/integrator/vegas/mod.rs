@@ -2,6 +2,8 @@
 
 mod learning;
 mod pass;
+#[cfg(feature = "serde")]
+mod resume;
 mod sweep;
 
 pub use learning::{Learning, VegasError};
@@ -110,6 +112,7 @@ pub struct Vegas<E: TryEstimator> {
 
 /// A pass: so many blocks, of about so many samples.
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Plan {
     blocks: u64,
     block_len: u64,
@@ -298,27 +301,28 @@ impl<E: TryEstimator> Vegas<E> {
 
     /// Takes in a pass whose blocks are all there.
     fn finish(&mut self, pass: SweepPartial<Wide<E>, E::Error>) {
-        self.next += self.plan.blocks;
+        let plan = core::mem::take(&mut self.plan);
+        self.next += plan.blocks;
         self.begun = 0;
         self.done += 1;
+        self.spreads = pass.spreads;
         let Some(estimate) = pass.strata.estimate(ErrorSource::WithinStrata) else {
             return;
         };
         self.passes.push(VegasPass {
-            lesson: self.plan.lesson,
+            lesson: plan.lesson,
             estimate,
             strata: self.strata.strata(),
-            capped: self.plan.capped,
+            capped: plan.capped,
             cells: self.mapped.grid.cells(),
         });
-        self.spreads = pass.spreads;
         self.tail.merge(pass.strata.tail);
         self.tail.settle();
         let largest = estimate.moments.largest().components();
         for (scale, x) in self.scales.as_mut().iter_mut().zip(largest.as_ref()) {
             *scale = if x.is_normal() { 1.0 / x } else { *scale };
         }
-        if self.plan.lesson {
+        if plan.lesson {
             let following = self.round.lessons.get(self.done);
             let cells = following.map_or(self.mapped.grid.cells(), |&n| self.cells_for(n));
             self.lesson = pass.histogram.effective_samples();
@@ -432,6 +436,7 @@ impl<E: TryEstimator> Integrator for Vegas<E> {
             // A pass with a hole in it says nothing.
             self.next += self.begun;
             self.begun = 0;
+            self.plan = Plan::default();
             let mut error = failure.explain(&self.strata, &self.mapped);
             error.sample += before;
             return Err(error);

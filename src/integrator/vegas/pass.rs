@@ -7,6 +7,11 @@ use crate::value::Value;
 
 /// What a pass of [`Vegas`](super::Vegas) found.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
 pub struct VegasPass<V: Value> {
     /// Whether the grid learned from it; the answer is from the passes in which it
     /// stood still.

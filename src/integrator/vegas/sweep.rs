@@ -220,6 +220,11 @@ impl<'a, V: Value> Walk<'a, V> {
 
 /// What a block of [`Vegas`](super::Vegas) contributes: that of successive strata.
 #[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
 pub struct SweepPartial<V: Value, E> {
     pub(super) strata: Strata<V>,
     /// σₘ of each stratum.
