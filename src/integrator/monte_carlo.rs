@@ -201,14 +201,20 @@ impl<E: TryEstimator, S: Iid> Integrator for MonteCarlo<E, S> {
 
 #[cfg(feature = "serde")]
 impl<E: TryEstimator, S: Iid + core::fmt::Debug> super::Resumable for MonteCarlo<E, S> {
-    type State = (Moments<E::Value>, Tail<E::Value>, (u64, u64), Plan);
+    type State = (
+        Moments<E::Value>,
+        Tail<E::Value>,
+        [Moments<E::Value>; 2],
+        (u64, u64),
+        Plan,
+    );
 
     fn state(&self) -> impl serde::Serialize {
-        (&self.moments, &self.tail, self.next, self.plan)
+        (&self.moments, &self.tail, &self.parts, self.next, self.plan)
     }
 
     fn restore(&mut self, state: Self::State) -> Result<(), super::StateError> {
-        (self.moments, self.tail, self.next, self.plan) = state;
+        (self.moments, self.tail, self.parts, self.next, self.plan) = state;
         Ok(())
     }
 
