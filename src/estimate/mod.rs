@@ -1,5 +1,6 @@
 //! The answer: a mean with an error bar, and what stands behind it.
 
+mod bounds;
 mod diagnosis;
 mod display;
 mod evidence;
@@ -8,12 +9,15 @@ mod interval;
 mod moments;
 mod pareto;
 mod ratio;
+mod sequence;
+mod skewed;
 mod student;
 mod sum;
 mod sums;
 mod tail;
 mod tolerance;
 
+pub use bounds::{Bounds, BoundsError};
 pub use diagnosis::{Diagnosis, Doubt, Symptom};
 pub(crate) use display::with_errors;
 pub use evidence::Evidence;
@@ -21,6 +25,7 @@ pub(crate) use grubbs::outlier;
 pub use interval::{ConfidenceInterval, LevelError};
 pub use moments::Moments;
 pub use ratio::{Ratio, RatioError};
+pub use sequence::ConfidenceSequence;
 pub use tail::Tail;
 pub use tolerance::{Measure, Tolerance, ToleranceError};
 

@@ -51,7 +51,7 @@ pub struct MonteCarlo<E: TryEstimator, S = Independent> {
 /// What a block of [`MonteCarlo`] contributes.
 #[derive(Clone, Debug)]
 pub struct MonteCarloPartial<V: Value, E> {
-    moments: Moments<V>,
+    pub(super) moments: Moments<V>,
     tail: Tail<V>,
     failure: Option<Failure<V, E>>,
 }
