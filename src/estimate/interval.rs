@@ -78,11 +78,16 @@ impl<V: Value> Estimate<V> {
             let mut end = mean;
             for (x, s) in end.as_mut().iter_mut().zip(error.as_ref()) {
                 // A zero error stays zero, even where t is infinite.
-                *x += if *s == 0.0 && t.is_infinite() {
-                    side * t
+                let radius = if *s == 0.0 && t.is_infinite() {
+                    t
                 } else {
-                    side * t * s
+                    t * s
                 };
+                *x += side * radius;
+                // ∞ − ∞, of a mean that overflows, bounds nothing.
+                if x.is_nan() {
+                    *x = side * f64::INFINITY;
+                }
             }
             V::wide(end)
         };
