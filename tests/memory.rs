@@ -36,17 +36,18 @@ fn techniques(samples: u64) {
     run(&mut integrator, &Serial, &Stop::samples(samples)).unwrap();
 }
 
-/// Each pass merges its blocks in a tree of at most log₂ n subtrees; that, and
-/// nothing else, is allocated.
+/// Each pass merges its blocks in a tree of at most log₂ n subtrees, and each block
+/// may bring some of the largest values; that, and nothing else, is allocated.
 #[test]
-fn a_run_allocates_by_the_pass_and_not_by_the_sample() {
+fn a_run_allocates_by_the_block_and_not_by_the_sample() {
     for integrate in [plain, strata, techniques] {
         let few = of(|| integrate(10_000));
         let many = of(|| integrate(10_000_000));
-        assert!(few.count_total < 40, "{few:?}");
-        // A thousand times the samples: seventeen times 1.5 more passes.
-        assert!(many.count_total < 200, "{many:?}");
-        assert!(many.bytes_max < 20_000, "{many:?}");
+        assert!(few.count_total < 1_500, "{few:?}");
+        // A thousand times the samples: seventeen times 1.5 more passes, of longer
+        // blocks.
+        assert!(many.count_total < 30_000, "{many:?}");
+        assert!(many.bytes_max < 150_000, "{many:?}");
     }
 }
 
@@ -82,8 +83,8 @@ fn no_path_allocates() {
         Technique::monte_carlo_ray_tracing(2, 1, 9),
     ] {
         let (few, many) = (see(technique, 1_000), see(technique, 50_000));
-        assert!(few.count_total < 40, "{few:?}");
-        assert!(many.count_total < 80, "{many:?}");
+        assert!(few.count_total < 1_000, "{few:?}");
+        assert!(many.count_total < 5_000, "{many:?}");
     }
     let tree = see(Technique::shade_branching(2, 6), 1_000);
     assert!(

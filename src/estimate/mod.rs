@@ -1,5 +1,6 @@
 //! The answer: a mean with an error bar, and what stands behind it.
 
+mod bounds;
 mod diagnosis;
 mod display;
 mod evidence;
@@ -10,12 +11,15 @@ mod interval;
 mod moments;
 mod pareto;
 mod ratio;
+mod sequence;
+mod skewed;
 mod student;
 mod sum;
 mod sums;
 mod tail;
 mod tolerance;
 
+pub use bounds::{Bounds, BoundsError};
 pub use diagnosis::{Diagnosis, Doubt, Symptom};
 pub(crate) use display::with_errors;
 pub use evidence::Evidence;
@@ -25,6 +29,7 @@ pub use histogram_error::HistogramError;
 pub use interval::{ConfidenceInterval, LevelError};
 pub use moments::Moments;
 pub use ratio::{Ratio, RatioError};
+pub use sequence::ConfidenceSequence;
 pub use tail::Tail;
 pub use tolerance::{Measure, Tolerance, ToleranceError};
 

@@ -210,3 +210,63 @@ fn largest_scalar<V: Value>(values: &[V]) -> f64 {
     let rest = rest.iter().map(of);
     rest.chain(largest).fold(0.0, |max, x| larger(x, max))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn of(values: &[[f64; 2]]) -> Tail<[f64; 2]> {
+        let mut tail = Tail::new();
+        values.chunks(100).for_each(|slice| tail.push_all(slice));
+        tail
+    }
+
+    fn expected(values: &[[f64; 2]], k: usize) -> Vec<f64> {
+        let finite = values.iter().filter(|v| v.iter().all(|x| x.is_finite()));
+        let mut all: Vec<f64> = finite.map(|v| v[k].abs()).filter(|x| *x > 0.0).collect();
+        all.sort_by(|a, b| b.total_cmp(a));
+        all.truncate(KEPT);
+        all
+    }
+
+    proptest! {
+        #[test]
+        fn merged_in_any_order_the_same_values_are_kept(
+            bits in prop::collection::vec(any::<[f64; 2]>(), 0..3_000),
+            cuts in prop::collection::vec(0..3_000_usize, 0..6),
+        ) {
+            let mut cuts: Vec<usize> = cuts.iter().map(|c| c % (bits.len() + 1)).collect();
+            cuts.extend([0, bits.len()]);
+            cuts.sort_unstable();
+            let parts = || cuts.windows(2).map(|w| of(&bits[w[0]..w[1]]));
+            let mut forwards = Tail::new();
+            parts().for_each(|part| forwards.merge(part));
+            let mut backwards = Tail::new();
+            parts().rev().for_each(|part| {
+                backwards.merge(part);
+                backwards.settle();
+            });
+            for k in 0..2 {
+                let expected = expected(&bits, k);
+                prop_assert_eq!(&forwards.largest(k), &expected);
+                prop_assert_eq!(&backwards.largest(k), &expected);
+            }
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_among_the_largest_need_not_be_kept() {
+        let values: Vec<f64> = (0..5_000).map(|i| f64::from(i * 7_919 % 5_003)).collect();
+        let (first, last) = values.split_at(2_000);
+        let mut tail = Tail::<f64>::new();
+        tail.push_all(first);
+        tail.settle();
+        let mut rest = tail.continued();
+        rest.push_all(last);
+        tail.merge(rest);
+        let mut all = Tail::<f64>::new();
+        all.push_all(&values);
+        assert_eq!((tail.largest(0), tail.seen()), (all.largest(0), 5_000));
+    }
+}

@@ -1,5 +1,6 @@
 //! Spends a budget of samples, pass by pass.
 
+mod bounded_monte_carlo;
 mod controlled_estimate;
 mod controlled_monte_carlo;
 mod histogram_monte_carlo;
@@ -17,6 +18,7 @@ mod stratified_monte_carlo;
 mod thinned;
 mod vegas;
 
+pub use bounded_monte_carlo::{BoundedError, BoundedEstimate, BoundedMonteCarlo};
 pub use controlled_estimate::ControlledEstimate;
 pub use controlled_monte_carlo::ControlledMonteCarlo;
 pub use histogram_monte_carlo::HistogramMonteCarlo;

@@ -56,7 +56,7 @@ pub struct MonteCarlo<E: TryEstimator, S = Independent> {
     serde(bound = "")
 )]
 pub struct MonteCarloPartial<V: Value, E> {
-    moments: Moments<V>,
+    pub(super) moments: Moments<V>,
     tail: Tail<V>,
     failure: Option<Failure<V, E>>,
 }
