@@ -16,6 +16,8 @@ pub mod quadrature;
 pub mod render;
 pub mod run;
 pub mod sampler;
+#[cfg(feature = "serde")]
+mod serial;
 pub mod value;
 pub mod verify;
 

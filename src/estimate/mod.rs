@@ -1,31 +1,40 @@
 //! The answer: a mean with an error bar, and what stands behind it.
 
+mod diagnosis;
 mod display;
+mod evidence;
+mod grubbs;
 mod histogram;
 mod histogram_error;
 mod interval;
 mod moments;
+mod pareto;
 mod ratio;
 mod student;
 mod sum;
 mod sums;
+mod tail;
 mod tolerance;
 
+pub use diagnosis::{Diagnosis, Doubt, Symptom};
 pub(crate) use display::with_errors;
+pub use evidence::Evidence;
+pub(crate) use grubbs::outlier;
 pub use histogram::Histogram;
 pub use histogram_error::HistogramError;
 pub use interval::{ConfidenceInterval, LevelError};
 pub use moments::Moments;
 pub use ratio::{Ratio, RatioError};
+pub use tail::Tail;
 pub use tolerance::{Measure, Tolerance, ToleranceError};
 
 use crate::value::{Components, Value};
 
 /// The mean of primary estimates, with its error bar.
 ///
-/// `mean` ± `standard_error`, by component; the other fields say how far to
-/// trust it. Prints as `13.4998(12)`: the digits in parentheses are the
-/// standard error in units of the last digits.
+/// `mean` ± `standard_error`, by component; [`diagnosis`](Self::diagnosis) says
+/// whether to trust it. Prints as `13.4998(12)`: the digits in parentheses are the
+/// standard error in units of the last digits. Doubts are printed as well.
 ///
 /// # Example
 ///
@@ -36,17 +45,29 @@ use crate::value::{Components, Value};
 /// let estimate = Estimate::independent(&primary).ok_or("no sample")?;
 /// assert_eq!(estimate.mean, 14.25);
 /// assert_eq!(estimate.standard_error, 2.25);
-/// assert_eq!(estimate.to_string(), "14.2(2.2)");
+/// assert!(estimate.to_string().starts_with("14.2(2.2), doubtful: 2 samples"));
+/// assert_eq!(format!("{estimate:>12}"), "  14.2(2.2)?");
 /// # Ok::<(), &str>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
 pub struct Estimate<V: Value> {
     /// The estimate ⟨I⟩.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::wide"))]
     pub mean: V::Wide,
     /// The standard deviation of the estimate, infinite where the samples are
     /// too few to tell.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::wide"))]
     pub standard_error: V::Wide,
     /// The covariance of the components of the estimate.
+    #[cfg_attr(
+        feature = "serde",
+        serde(with = "crate::serial::Matrix::<V::Components>")
+    )]
     pub covariance: <V::Components as Components>::Matrix,
     /// Of Student's t for the error bar.
     pub degrees_of_freedom: f64,
@@ -55,10 +76,13 @@ pub struct Estimate<V: Value> {
     /// Of the primary estimates, all pooled: how many there were, how they are
     /// spread, the largest, how many were not finite.
     pub moments: Moments<V>,
+    /// What else is known: the tail, and whether parts of the run agree.
+    pub evidence: Evidence<V>,
 }
 
 /// What an error bar was taken from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum ErrorSource {
     /// The spread of independent points: σ/√n.
@@ -121,7 +145,13 @@ impl<V: Value> Estimate<V> {
             degrees_of_freedom: degrees_of_freedom.max(0.0),
             error_source,
             moments: *moments,
+            evidence: Evidence::default(),
         })
+    }
+
+    /// The same with what else is known.
+    pub(crate) fn with_evidence(self, evidence: Evidence<V>) -> Self {
+        Self { evidence, ..self }
     }
 
     /// One component by itself; `None` if there is none of this number.
@@ -135,6 +165,7 @@ impl<V: Value> Estimate<V> {
             degrees_of_freedom: self.degrees_of_freedom,
             error_source: self.error_source,
             moments: self.moments.component(k),
+            evidence: self.evidence.component(k),
         })
     }
 

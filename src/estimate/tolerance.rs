@@ -140,6 +140,15 @@ impl Tolerance {
         })
     }
 
+    /// `factor` times as large.
+    pub(crate) const fn scaled(self, factor: f64) -> Self {
+        Self {
+            absolute: self.absolute * factor,
+            relative: self.relative * factor,
+            ..self
+        }
+    }
+
     /// The same tolerance for another measure of a value's error.
     #[must_use]
     pub const fn of(self, measure: Measure) -> Self {

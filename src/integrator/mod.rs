@@ -8,10 +8,13 @@ mod monte_carlo;
 mod plan;
 mod randomized_qmc;
 mod regression;
+#[cfg(feature = "serde")]
+mod resumable;
 mod sample_block;
 mod sample_error;
 mod strata;
 mod stratified_monte_carlo;
+mod thinned;
 mod vegas;
 
 pub use controlled_estimate::ControlledEstimate;
@@ -20,6 +23,8 @@ pub use histogram_monte_carlo::HistogramMonteCarlo;
 pub use median::Median;
 pub use monte_carlo::MonteCarlo;
 pub use randomized_qmc::{RandomizedQmc, RandomizedQmcError, ReplicateError};
+#[cfg(feature = "serde")]
+pub use resumable::{Fingerprint, Resumable, StateError};
 pub use sample_block::NonFinite;
 #[cfg(feature = "render")]
 pub(crate) use sample_block::sample_block;

@@ -5,7 +5,8 @@ use crate::sampler::Block;
 /// A pass: so many samples from a certain one on, in blocks of equal length
 /// (the last may be shorter).
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Plan {
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Plan {
     /// The number in the run of its first block and its first sample.
     index: u64,
     start: u64,

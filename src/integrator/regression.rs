@@ -10,15 +10,28 @@ use crate::value::{Components, Value};
 /// Source: Chan, Golub & LeVeque, *Algorithms for Computing the Sample
 /// Variance* (1983).
 #[derive(Clone, Debug)]
-pub(super) struct Products<V: Value, const K: usize> {
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
+pub struct Products<V: Value, const K: usize> {
     pub(super) count: u64,
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     value: V::Components,
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     pub(super) controls: [f64; K],
     /// Σ (y − ȳ)(y − ȳ)ᵀ
+    #[cfg_attr(
+        feature = "serde",
+        serde(with = "crate::serial::Matrix::<V::Components>")
+    )]
     yy: Matrix<V>,
     /// Σ (hₖ − h̄ₖ)(y − ȳ)
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::rows"))]
     hy: [V::Components; K],
     /// Σ (hₖ − h̄ₖ)(hₗ − h̄ₗ)
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::rows"))]
     pub(super) hh: [[f64; K]; K],
 }
 

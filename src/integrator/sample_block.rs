@@ -23,7 +23,8 @@ pub enum NonFinite {
 const SLICE: usize = 256;
 
 /// Takes the primary estimates of a block, in order, into `moments`, and shows
-/// each slice of them to `see`, as far as there is nothing to refuse.
+/// each slice of them to `see`, together with the moments of all so far, as far as
+/// there is nothing to refuse.
 #[inline]
 pub(crate) fn sample_block<S: Sampler, E: TryEstimator>(
     sampler: &S,
@@ -31,11 +32,11 @@ pub(crate) fn sample_block<S: Sampler, E: TryEstimator>(
     block: Block,
     non_finite: NonFinite,
     moments: &mut Moments<E::Value>,
-    mut see: impl FnMut(&[E::Value]),
+    mut see: impl FnMut(&Moments<E::Value>, &[E::Value]),
 ) -> Result<(), Failure<E::Value, E::Error>> {
     let mut points = sampler.stream(block);
     let fail = |offset, cause| Failure {
-        cause,
+        cause: Some(cause),
         block,
         offset,
     };
@@ -56,12 +57,12 @@ pub(crate) fn sample_block<S: Sampler, E: TryEstimator>(
             NonFinite::SetAside => moments.push_all(slice),
             NonFinite::Refuse => {
                 if let Some(bad) = moments.push_while_finite(slice) {
-                    see(&slice[..bad]);
+                    see(moments, &slice[..bad]);
                     return Err(fail(done + bad as u64, Cause::NonFinite(slice[bad])));
                 }
             }
         }
-        see(slice);
+        see(moments, slice);
         done += taken as u64;
         if let Some((_, error)) = failed {
             return Err(fail(done, Cause::Integrand(error)));

@@ -56,9 +56,18 @@ impl<V: fmt::Debug, E: core::error::Error + 'static> core::error::Error for Samp
 }
 
 /// What is known of a failure while sampling, when there is no time for more.
+///
+/// Another process is told where it was, not why, which only the types of an
+/// integrand say: it finds out for itself.
 #[derive(Clone, Debug)]
-pub(crate) struct Failure<V, E> {
-    pub(super) cause: Cause<V, E>,
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
+pub struct Failure<V, E> {
+    #[cfg_attr(feature = "serde", serde(skip, default = "Option::default"))]
+    pub(super) cause: Option<Cause<V, E>>,
     pub(super) block: Block,
     /// How many samples of the block came before.
     pub(crate) offset: u64,
@@ -71,18 +80,26 @@ impl<V, E> Failure<V, E> {
         S: Sampler,
         T: TryEstimator<Value = V, Error = E>,
     {
-        let mut points = Recorder {
-            points: sampler.stream(self.block),
-            read: Vec::new(),
-        };
-        for _ in 0..self.offset {
+        let replayed = || {
+            let mut points = Recorder {
+                points: sampler.stream(self.block),
+                read: Vec::new(),
+            };
+            for _ in 0..self.offset {
+                points.next_point();
+                estimator.locate(&mut points);
+            }
             points.next_point();
-            estimator.locate(&mut points);
-        }
-        points.next_point();
+            points
+        };
+        let mut points = replayed();
         let location = estimator.locate(&mut points);
+        let again = || match estimator.try_estimate(&mut replayed()) {
+            Ok(value) => Cause::NonFinite(value),
+            Err(error) => Cause::Integrand(error),
+        };
         SampleError {
-            cause: self.cause,
+            cause: self.cause.unwrap_or_else(again),
             sample: self.block.start + self.offset,
             unit: points.read,
             location,

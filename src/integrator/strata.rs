@@ -1,37 +1,57 @@
 //! Means and variances within strata.
 
-use crate::estimate::{ErrorSource, Estimate, Moments};
+use crate::estimate::{ErrorSource, Estimate, Evidence, Moments, Tail};
 use crate::merge::Merge;
 use crate::sampler::Stratified;
 use crate::value::{Components, Value};
 
 /// Sums over strata.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Strata<V: Value> {
+#[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
+pub struct Strata<V: Value> {
     /// Σ ȳₘ, over `count` strata.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     means: V::Components,
     count: u64,
     /// Σ of estimates of the covariance of a ȳₘ, over `terms` of them.
+    #[cfg_attr(
+        feature = "serde",
+        serde(with = "crate::serial::Matrix::<V::Components>")
+    )]
     covariances: <V::Components as Components>::Matrix,
     terms: u64,
     /// For the degrees of freedom: Σ ν, and Σ v²/(ν + 2) of the variances v on
     /// the diagonal, since E v² is their square times (ν + 2)/ν.
     freedom: f64,
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     squares: V::Components,
     /// Of strata of one sample each: the means at either end, for the pair with
     /// what comes before and after.
     ends: Option<Ends<V::Components>>,
     /// Of all primary estimates, pooled.
     pub(super) moments: Moments<V>,
+    /// The largest of them.
+    pub(super) tail: Tail<V>,
 }
 
 /// The first and the last of a number of strata in sequence; no mean where no
 /// value was finite.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "C: Components")
+)]
 struct Ends<C> {
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::maybe"))]
     first: Option<C>,
     /// Whether the first begins a row: it has no neighbour before it.
     begins_row: bool,
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::maybe"))]
     last: Option<C>,
 }
 
@@ -46,6 +66,7 @@ impl<V: Value> Default for Strata<V> {
             squares: V::Components::ZERO,
             ends: None,
             moments: Moments::new(),
+            tail: Tail::new(),
         }
     }
 }
@@ -64,6 +85,7 @@ impl<V: Value> Merge for Strata<V> {
         self.terms += right.terms;
         self.freedom += right.freedom;
         self.moments.merge(right.moments);
+        self.tail.merge(right.tail);
         if let Some(ends) = right.ends {
             self.join(ends);
         }
@@ -119,6 +141,11 @@ impl<V: Value> Strata<V> {
             });
         }
         mean
+    }
+
+    /// What the tail says.
+    pub(super) fn evidence(&self) -> Evidence<V> {
+        Evidence::of(&self.tail, &self.moments)
     }
 
     /// The estimate from all strata, of one sample each or of more.
@@ -274,7 +301,7 @@ impl<V: Value> Walk<V> {
             }
             let whole = whole.chunks_exact(n);
             values = whole.remainder();
-            let mut sums = *strata;
+            let mut sums = core::mem::take(strata);
             for samples in whole {
                 let mut stratum = Stratum::<V>::new(samples[0].components());
                 for y in &samples[1..] {

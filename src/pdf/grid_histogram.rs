@@ -24,6 +24,7 @@ use crate::merge::Merge;
 /// # Ok::<(), estimand::pdf::AdaptiveGridError>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GridHistogram {
     cells: usize,
     /// Of the samples in each cell of each axis, their number and Σ (f/p)².

@@ -48,6 +48,7 @@ mod uniform_hemisphere;
 mod unit_cube;
 mod weights;
 
+pub(crate) use adaptive_grid::warp;
 pub use adaptive_grid::{AdaptiveGrid, GridNode};
 pub use cauchy::{Cauchy, CauchyError};
 pub use cone::{UniformCone, UniformConeError};

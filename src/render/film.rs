@@ -222,7 +222,7 @@ impl<E: TryEstimator<Value = DVec3>, S: Iid> Integrator for Film<E, S> {
                 block,
                 self.non_finite,
                 moments,
-                |_| (),
+                |_, _| (),
             )
             .map_err(|failure| PixelFailure {
                 pixel,
@@ -272,5 +272,32 @@ impl<E: TryEstimator<Value = DVec3>, S: Iid> Integrator for Film<E, S> {
             return None;
         }
         self.tiles.image(2, 1)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<E, S> crate::integrator::Resumable for Film<E, S>
+where
+    E: TryEstimator<Value = DVec3>,
+    S: Iid + core::fmt::Debug,
+{
+    type State = (Tiles, Option<u64>, u64);
+
+    fn state(&self) -> impl serde::Serialize {
+        (&self.tiles, self.pilot, self.discarded)
+    }
+
+    fn restore(&mut self, state: Self::State) -> Result<(), crate::integrator::StateError> {
+        self.tiles.restore(state.0)?;
+        (self.pilot, self.discarded) = (state.1, state.2);
+        Ok(())
+    }
+
+    fn fingerprint(&self) -> crate::integrator::Fingerprint {
+        crate::integrator::Fingerprint::of::<Self>()
+            .with("sampler", &self.sampler)
+            .with("pixel size", &self.pixel_size)
+            .with("non-finite values", &self.non_finite)
+            .probing(&self.sampler, &self.estimator)
     }
 }

@@ -156,7 +156,7 @@ impl<E: TryEstimator<Value = DVec3>, S: Randomize> Integrator for RandomizedFilm
                     set,
                     NonFinite::Refuse,
                     &mut moments,
-                    |_| (),
+                    |_, _| (),
                 )
                 .map_err(|failure| PixelFailure {
                     pixel,
@@ -202,5 +202,33 @@ impl<E: TryEstimator<Value = DVec3>, S: Randomize> Integrator for RandomizedFilm
     /// `None` until every pixel has its R replicates.
     fn answer(&self) -> Option<Image> {
         self.tiles.image(self.replicates, self.points)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<E, S> crate::integrator::Resumable for RandomizedFilm<E, S>
+where
+    E: TryEstimator<Value = DVec3>,
+    S: Randomize + core::fmt::Debug,
+{
+    type State = (Tiles, u64);
+
+    fn state(&self) -> impl serde::Serialize {
+        (&self.tiles, self.lost)
+    }
+
+    fn restore(&mut self, state: Self::State) -> Result<(), crate::integrator::StateError> {
+        self.tiles.restore(state.0)?;
+        self.lost = state.1;
+        Ok(())
+    }
+
+    fn fingerprint(&self) -> crate::integrator::Fingerprint {
+        crate::integrator::Fingerprint::of::<Self>()
+            .with("sampler", &self.sampler)
+            .with("points", &self.points)
+            .with("replicates", &self.replicates)
+            .with("pixel size", &self.pixel_size)
+            .probing(&self.sampler, &self.estimator)
     }
 }

@@ -7,6 +7,8 @@ use glam::DVec3;
 use super::{FilmError, Image, Pixel};
 use crate::estimate::Moments;
 use crate::integrator::Failure;
+#[cfg(feature = "serde")]
+use crate::integrator::StateError;
 use crate::merge::Merge;
 use crate::sampler::Block;
 
@@ -17,7 +19,8 @@ use crate::sampler::Block;
 /// blocks are tiles: runs of consecutive pixels. What a pass that was
 /// interrupted left undone is the next one.
 #[derive(Clone, Debug)]
-pub(super) struct Tiles {
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Tiles {
     size: [u32; 2],
     pixels: Vec<Moments<DVec3>>,
     /// Which part of the mean number of draws each pixel gets; their mean is
@@ -38,6 +41,7 @@ pub(super) struct Tiles {
 }
 
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Numbers {
     block: u64,
     draw: u64,
@@ -224,6 +228,24 @@ impl Tiles {
         self.drawn = 0;
     }
 
+    /// Goes back to `state`, if that is of a film of this size.
+    #[cfg(feature = "serde")]
+    pub(super) fn restore(&mut self, state: Self) -> Result<(), StateError> {
+        let count = self.pixels.len();
+        let shares = if state.is_shared_out() { count } else { 0 };
+        for (what, found, needed) in [
+            ("columns", state.size[0] as usize, self.size[0] as usize),
+            ("rows", state.size[1] as usize, self.size[1] as usize),
+            ("pixels", state.pixels.len(), count),
+            ("shares", state.shares.len(), shares),
+            ("pixels that are done", state.done, state.done.min(count)),
+        ] {
+            StateError::unless_equal(what, found, needed)?;
+        }
+        *self = state;
+        Ok(())
+    }
+
     /// The image, once every pixel has at least so many draws of so many
     /// samples each.
     pub(super) fn image(&self, draws: u64, samples: u64) -> Option<Image> {
@@ -255,6 +277,11 @@ fn drawn(moments: &Moments<DVec3>) -> u64 {
 
 /// What a tile of a film contributes.
 #[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
 pub struct FilmPartial<E> {
     pixels: Vec<Moments<DVec3>>,
     pub(super) failure: Option<PixelFailure<E>>,
@@ -269,7 +296,12 @@ impl<E> Merge for FilmPartial<E> {
 
 /// A failure, in which pixel, and in which of its draws.
 #[derive(Clone, Debug)]
-pub(super) struct PixelFailure<E> {
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
+pub struct PixelFailure<E> {
     pub(super) pixel: usize,
     /// The number of the draw.
     pub(super) draw: u64,

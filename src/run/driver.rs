@@ -2,9 +2,10 @@
 
 use core::fmt;
 use core::time::Duration;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use super::{Executor, Stop, StopError};
+use super::{Executor, Pass, Progress, Stop, StopError};
 use crate::integrator::Integrator;
 
 /// A run that came to its end.
@@ -44,15 +45,6 @@ pub enum Reason {
     Time,
     /// The switch was turned.
     Cancelled,
-}
-
-/// A run as seen after one of its passes.
-#[derive(Clone, Copy, Debug)]
-pub struct Progress<'a, I> {
-    /// The integrator, to ask for its answer so far.
-    pub integrator: &'a I,
-    /// How long this run has taken.
-    pub elapsed: Duration,
 }
 
 /// A run that could not come to its end.
@@ -113,7 +105,7 @@ impl<A: fmt::Debug, E: core::error::Error + 'static> core::error::Error for RunE
 }
 
 /// How a run of the integrator `I` ends.
-type Outcome<I> = Result<
+pub(super) type Outcome<I> = Result<
     Finished<<I as Integrator>::Answer>,
     RunError<<I as Integrator>::Answer, <I as Integrator>::Error>,
 >;
@@ -153,54 +145,132 @@ pub fn run_with<I: Integrator>(
     integrator: &mut I,
     executor: &impl Executor<I>,
     stop: &Stop,
+    progress: impl FnMut(Progress<'_, I>),
+) -> Outcome<I> {
+    drive(integrator, executor, stop, &mut Unsaved, progress)
+}
+
+/// Who saves a run.
+pub(super) trait Saving<I: Integrator> {
+    /// The pass that was at hand when the run was saved, and its blocks.
+    fn open(&mut self) -> Option<(Pass<I::Partial>, u64)>;
+
+    /// When the run is to be saved next: between passes, or during one.
+    fn due(&self, integrator: &I, during: bool) -> Option<Instant>;
+
+    /// Saves the run between passes, or during one of so many blocks.
+    fn save(&mut self, integrator: &I, pass: Option<(&Pass<I::Partial>, u64)>);
+}
+
+/// Nobody.
+struct Unsaved;
+
+impl<I: Integrator> Saving<I> for Unsaved {
+    fn open(&mut self) -> Option<(Pass<I::Partial>, u64)> {
+        None
+    }
+
+    fn due(&self, _: &I, _: bool) -> Option<Instant> {
+        None
+    }
+
+    fn save(&mut self, _: &I, _: Option<(&Pass<I::Partial>, u64)>) {}
+}
+
+/// What ends a run from outside, as the leading process sees it.
+fn halted<I: Integrator>(
+    executor: &impl Executor<I>,
+    cancelled: bool,
+    late: bool,
+) -> Option<Reason> {
+    match executor.agree(vec![u8::from(cancelled), u8::from(late)])[..] {
+        [1, _] => Some(Reason::Cancelled),
+        [_, 1] => Some(Reason::Time),
+        _ => None,
+    }
+}
+
+/// The loop.
+pub(super) fn drive<I: Integrator>(
+    integrator: &mut I,
+    executor: &impl Executor<I>,
+    stop: &Stop,
+    saving: &mut impl Saving<I>,
     mut progress: impl FnMut(Progress<'_, I>),
 ) -> Outcome<I> {
     stop.check(integrator.components())
         .map_err(RunError::Stop)?;
     let start = Instant::now();
+    let before = integrator.spent();
     let cancelled = || stop.cancel.as_ref().is_some_and(|c| c.is_cancelled());
-    let out_of_time = || stop.time.is_some_and(|limit| start.elapsed() >= limit);
+    let late = || stop.time.is_some_and(|limit| start.elapsed() >= limit);
+    let past = |due: Option<Instant>| due.is_some_and(|due| Instant::now() >= due);
+    let mut open = saving.open();
+    let mut saved = false;
     let reason = loop {
-        if stop.tolerance.is_some_and(|t| integrator.meets(&t)) {
-            break Reason::Tolerance;
-        }
-        if cancelled() {
-            break Reason::Cancelled;
-        }
-        if out_of_time() {
-            break Reason::Time;
-        }
-        let left = stop
-            .samples
-            .map_or(u64::MAX, |budget| budget.saturating_sub(integrator.spent()));
-        let blocks = if left == 0 { 0 } else { integrator.plan(left) };
-        if blocks == 0 {
-            if integrator.spent() == 0 {
-                return Err(RunError::Budget {
-                    budget: left,
-                    needed: integrator.smallest_pass(),
-                });
+        let (mut pass, blocks) = match open.take() {
+            Some(open) => open,
+            None => {
+                if stop.tolerance.is_some_and(|t| integrator.meets(&t)) {
+                    break Reason::Tolerance;
+                }
+                if let Some(reason) = halted(executor, cancelled(), late()) {
+                    break reason;
+                }
+                if past(saving.due(integrator, false)) {
+                    saving.save(integrator, None);
+                }
+                let left = stop
+                    .samples
+                    .map_or(u64::MAX, |budget| budget.saturating_sub(integrator.spent()));
+                let blocks = if left == 0 { 0 } else { integrator.plan(left) };
+                if blocks == 0 {
+                    if integrator.spent() == 0 {
+                        return Err(RunError::Budget {
+                            budget: left,
+                            needed: integrator.smallest_pass(),
+                        });
+                    }
+                    break match integrator.smallest_pass() {
+                        u64::MAX => Reason::Points,
+                        _ => Reason::Samples,
+                    };
+                }
+                (Pass::new(), blocks)
             }
-            break match integrator.smallest_pass() {
-                u64::MAX => Reason::Points,
-                _ => Reason::Samples,
-            };
-        }
-        let go_on = || !cancelled() && !out_of_time();
-        let pass = executor.pass(integrator, blocks, &go_on);
-        if let Some(merged) = pass.merged {
+        };
+        // A pass that is interrupted is saved as it is, to be resumed as if it had
+        // not been; then what there is of it becomes part of this run's answer.
+        saved = loop {
+            // A block at least goes between two saves.
+            let due = saving.due(integrator, true);
+            let begun = AtomicBool::new(false);
+            let save = || due.is_some() && begun.swap(true, Ordering::Relaxed) && past(due);
+            let go_on = || !cancelled() && !late() && !save();
+            executor.pass(integrator, &mut pass, blocks, &go_on);
+            if pass.has_ended() || pass.next() >= blocks {
+                break false;
+            }
+            let halted = halted(executor, cancelled(), late()).is_some();
+            saving.save(integrator, Some((&pass, blocks)));
+            if halted {
+                break true;
+            }
+        };
+        let blocks = pass.next();
+        if let Some(merged) = pass.finish() {
             integrator
-                .absorb(merged, pass.blocks)
+                .absorb(merged, blocks)
                 .map_err(|error| RunError::Sample {
                     error: Box::new(error),
                     partial: integrator.answer().map(Box::new),
                 })?;
-            progress(Progress {
-                integrator,
-                elapsed: start.elapsed(),
-            });
+            progress(Progress::new(integrator, stop, before, start.elapsed()));
         }
     };
+    if !saved {
+        saving.save(integrator, None);
+    }
     match integrator.answer() {
         Some(answer) => Ok(Finished {
             answer,

@@ -5,29 +5,112 @@ use core::ops::ControlFlow;
 use crate::integrator::Integrator;
 use crate::merge::{Merge, Tree};
 
-/// Computes the blocks of a pass and merges them, in their order, along the
-/// [`Tree`].
+/// Computes the blocks of a pass, each of which is merged, in its place, along
+/// the [`Tree`].
 ///
 /// The integrator is a parameter, so that each executor asks for the bounds
 /// that it needs.
 pub trait Executor<I: Integrator> {
-    /// Computes blocks 0 .. `blocks` of the planned pass, no new one once
-    /// `go_on` says no.
+    /// Adds the blocks from [`pass.next()`](Pass::next) to `blocks` of the planned
+    /// pass to those that it has, no new one once `go_on` says no or the pass has
+    /// [ended](Pass::has_ended).
     fn pass(
         &self,
         integrator: &I,
+        pass: &mut Pass<I::Partial>,
         blocks: u64,
         go_on: &(dyn Fn() -> bool + Sync),
-    ) -> Pass<I::Partial>;
+    );
+
+    /// How many blocks it computes at a time. Provided: one.
+    fn width(&self) -> u64 {
+        1
+    }
+
+    /// Whether this process is the one that saves; the others of a run on several
+    /// have the same answer, and write nothing. Provided: there are no others.
+    fn leads(&self) -> bool {
+        true
+    }
+
+    /// Tells all processes what the leading one says: every one calls this, and
+    /// goes by what comes back. Provided: there are no others.
+    fn agree(&self, said: Vec<u8>) -> Vec<u8> {
+        said
+    }
 }
 
-/// What came of a pass.
+/// The blocks of a pass that have been computed so far: the first ones, merged.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pass<P> {
-    /// Its first blocks, merged; `None` if there was none.
-    pub merged: Option<P>,
-    /// How many they are.
-    pub blocks: u64,
+    tree: Tree<P>,
+    ended: bool,
+}
+
+impl<P> Default for Pass<P> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<P> Pass<P> {
+    /// A pass of which there is no block yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self::starting_at(0)
+    }
+
+    /// Part of a pass: blocks from number `start` on.
+    #[must_use]
+    pub const fn starting_at(start: u64) -> Self {
+        Self {
+            tree: Tree::starting_at(start),
+            ended: false,
+        }
+    }
+
+    /// The number of the block that is to come.
+    #[must_use]
+    pub const fn next(&self) -> u64 {
+        self.tree.end()
+    }
+
+    /// Whether the last block ended the pass.
+    #[must_use]
+    pub const fn has_ended(&self) -> bool {
+        self.ended
+    }
+}
+
+impl<P: Merge> Pass<P> {
+    /// Adds the next block; nothing once the pass has ended.
+    pub fn push(&mut self, block: ControlFlow<P, P>) {
+        if self.ended {
+            return;
+        }
+        self.ended = block.is_break();
+        match block {
+            ControlFlow::Break(partial) | ControlFlow::Continue(partial) => {
+                self.tree.push(partial);
+            }
+        }
+    }
+
+    /// Adds the blocks that follow; nothing once the pass has ended.
+    pub fn append(&mut self, right: Self) {
+        if self.ended {
+            return;
+        }
+        self.tree.append(right.tree);
+        self.ended = right.ended;
+    }
+
+    /// All of them; `None` if there was none.
+    #[must_use]
+    pub fn finish(self) -> Option<P> {
+        self.tree.finish()
+    }
 }
 
 /// One block after the other, on the calling thread.
@@ -38,55 +121,12 @@ impl<I: Integrator> Executor<I> for Serial {
     fn pass(
         &self,
         integrator: &I,
+        pass: &mut Pass<I::Partial>,
         blocks: u64,
         go_on: &(dyn Fn() -> bool + Sync),
-    ) -> Pass<I::Partial> {
-        let mut prefix = Prefix::new();
-        for index in 0..blocks {
-            if prefix.ended || !go_on() {
-                break;
-            }
-            prefix.push(integrator.block(index));
-        }
-        prefix.finish()
-    }
-}
-
-/// The blocks that have been merged so far: always the first ones.
-struct Prefix<P> {
-    tree: Tree<P>,
-    blocks: u64,
-    /// Whether the last of them ended the pass.
-    ended: bool,
-}
-
-impl<P: Merge> Prefix<P> {
-    const fn new() -> Self {
-        Self {
-            tree: Tree::new(),
-            blocks: 0,
-            ended: false,
-        }
-    }
-
-    /// Adds the next block; nothing once the pass has ended.
-    fn push(&mut self, block: ControlFlow<P, P>) {
-        if self.ended {
-            return;
-        }
-        self.blocks += 1;
-        self.ended = block.is_break();
-        match block {
-            ControlFlow::Break(partial) | ControlFlow::Continue(partial) => {
-                self.tree.push(partial);
-            }
-        }
-    }
-
-    fn finish(self) -> Pass<P> {
-        Pass {
-            merged: self.tree.finish(),
-            blocks: self.blocks,
+    ) {
+        while pass.next() < blocks && !pass.has_ended() && go_on() {
+            pass.push(integrator.block(pass.next()));
         }
     }
 }
@@ -100,7 +140,7 @@ mod threads {
     use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
     use std::sync::{Mutex, PoisonError};
 
-    use super::{ControlFlow, Executor, Integrator, Pass, Prefix, Serial};
+    use super::{ControlFlow, Executor, Integrator, Pass, Serial};
 
     /// The threads of the current rayon pool; the same bits as [`Serial`].
     ///
@@ -123,8 +163,8 @@ mod threads {
     }
 
     /// Blocks that were finished before one that comes before them.
-    struct Arrivals<P> {
-        prefix: Prefix<P>,
+    struct Arrivals<'a, P> {
+        pass: &'a mut Pass<P>,
         early: BTreeMap<u64, ControlFlow<P, P>>,
     }
 
@@ -135,17 +175,19 @@ mod threads {
         fn pass(
             &self,
             integrator: &I,
+            pass: &mut Pass<I::Partial>,
             blocks: u64,
             go_on: &(dyn Fn() -> bool + Sync),
-        ) -> Pass<I::Partial> {
+        ) {
             let threads = rayon::current_num_threads() as u64;
-            if threads.min(blocks) < 2 {
-                return Serial.pass(integrator, blocks, go_on);
+            let left = blocks.saturating_sub(pass.next());
+            if threads.min(left) < 2 {
+                return Serial.pass(integrator, pass, blocks, go_on);
             }
-            let next = AtomicU64::new(0);
-            let ended = AtomicBool::new(false);
+            let next = AtomicU64::new(pass.next());
+            let ended = AtomicBool::new(pass.has_ended());
             let arrivals = Mutex::new(Arrivals {
-                prefix: Prefix::new(),
+                pass,
                 early: BTreeMap::new(),
             });
             let work = || {
@@ -160,26 +202,25 @@ mod threads {
                         ended.store(true, Ordering::Relaxed);
                     }
                     let mut guard = arrivals.lock().unwrap_or_else(PoisonError::into_inner);
-                    let Arrivals { prefix, early } = &mut *guard;
+                    let Arrivals { pass, early } = &mut *guard;
                     early.insert(index, block);
-                    while let Some(block) = early.remove(&prefix.blocks) {
-                        prefix.push(block);
-                        if prefix.ended {
+                    while let Some(block) = early.remove(&pass.next()) {
+                        pass.push(block);
+                        if pass.has_ended() {
                             early.clear();
                         }
                     }
                 }
             };
             rayon::scope(|scope| {
-                for _ in 0..threads.min(blocks) {
+                for _ in 0..threads.min(left) {
                     scope.spawn(|_| work());
                 }
             });
-            arrivals
-                .into_inner()
-                .unwrap_or_else(PoisonError::into_inner)
-                .prefix
-                .finish()
+        }
+
+        fn width(&self) -> u64 {
+            rayon::current_num_threads() as u64
         }
     }
 }

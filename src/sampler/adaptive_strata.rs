@@ -193,6 +193,16 @@ impl AdaptiveStrata {
         Ok(())
     }
 
+    /// Gives each stratum as many points as it had.
+    #[cfg(feature = "serde")]
+    pub(crate) fn resize(&mut self, sizes: &[u64]) {
+        let mut end = 0_u64;
+        for (start, size) in self.starts[1..].iter_mut().zip(sizes) {
+            end = end.saturating_add(*size);
+            *start = end;
+        }
+    }
+
     /// How many parts each axis is cut into.
     #[must_use]
     pub fn counts(&self) -> &[u64] {

@@ -38,6 +38,7 @@ pub use unit_point::UnitPoint;
 /// `index` numbers the blocks of a run, so that samplers that draw from a
 /// generator can give each block a stream of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Block {
     /// Which block of the run this is.
     pub index: u64,

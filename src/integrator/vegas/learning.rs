@@ -85,7 +85,8 @@ impl core::error::Error for VegasError {}
 
 /// The sizes of the passes of a round: lessons, then passes of the answer.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Round {
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Round {
     /// The samples of each lesson.
     pub lessons: Vec<u64>,
     /// Those of each pass of the answer, and how many of these there are.
@@ -103,6 +104,8 @@ const MOST_LESSONS: f64 = (1_u64 << 21) as f64;
 /// run that is told to stop waits for its blocks.
 const ANSWERS: u64 = 4;
 const LONGEST: u64 = 1 << 24;
+/// But no more than this: each is remembered.
+const MOST_ANSWERS: u64 = 128;
 
 impl Learning {
     pub(super) fn check(&self) -> Result<(), VegasError> {
@@ -128,7 +131,8 @@ impl Learning {
         let count = u64::from(self.passes).min(learn / SHORTEST);
         let lessons = vec![learn / count.max(1); count as usize];
         let rest = budget - lessons.iter().sum::<u64>();
-        let answers = ANSWERS.max(rest.div_ceil(LONGEST)).min(rest / 4).max(1);
+        let answers = rest.div_ceil(LONGEST).clamp(ANSWERS, MOST_ANSWERS);
+        let answers = answers.min(rest / 4).max(1);
         Round {
             lessons,
             answer: rest / answers,
@@ -149,7 +153,7 @@ mod tests {
             let spent = lessons + round.answer * round.answers as u64;
             let left = budget.checked_sub(spent).unwrap();
             assert!(left < round.answers as u64, "{budget}: {round:?}");
-            assert!(round.answer <= 1 << 24);
+            assert!(round.answer <= 1 << 24 || round.answers == 128);
             assert!(round.lessons.len() <= 10 && lessons <= 1 << 21);
             assert!(lessons as f64 <= 0.3 * budget as f64);
             assert!(round.lessons.iter().all(|&n| n >= 50));

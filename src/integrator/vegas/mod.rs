@@ -2,6 +2,8 @@
 
 mod learning;
 mod pass;
+#[cfg(feature = "serde")]
+mod resume;
 mod sweep;
 
 pub use learning::{Learning, VegasError};
@@ -10,7 +12,7 @@ pub use pass::{Consistency, VegasPass};
 use core::ops::ControlFlow;
 
 use super::{Integrator, NonFinite, SampleError};
-use crate::estimate::{ErrorSource, Estimate, Tolerance};
+use crate::estimate::{ErrorSource, Estimate, Evidence, Tail, Tolerance};
 use crate::estimator::{Mapped, TryEstimator};
 use crate::merge::Merge;
 use crate::pdf::AdaptiveGrid;
@@ -92,6 +94,10 @@ pub struct Vegas<E: TryEstimator> {
     /// σₘ of the present strata; empty while nothing is known of them.
     spreads: Vec<f64>,
     passes: Vec<VegasPass<Wide<E>>>,
+    /// The largest values of the answer, and from how many effective samples the
+    /// grid learned last.
+    tail: Tail<Wide<E>>,
+    lesson: f64,
     spent: u64,
     /// How the present round spends its budget, and its passes so far.
     round: Round,
@@ -106,6 +112,7 @@ pub struct Vegas<E: TryEstimator> {
 
 /// A pass: so many blocks, of about so many samples.
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Plan {
     blocks: u64,
     block_len: u64,
@@ -171,6 +178,8 @@ impl<E: TryEstimator> Vegas<E> {
             scales,
             spreads: Vec::new(),
             passes: Vec::new(),
+            tail: Tail::new(),
+            lesson: f64::INFINITY,
             spent: 0,
             round: Round::default(),
             done: 0,
@@ -292,28 +301,32 @@ impl<E: TryEstimator> Vegas<E> {
 
     /// Takes in a pass whose blocks are all there.
     fn finish(&mut self, pass: SweepPartial<Wide<E>, E::Error>) {
-        self.next += self.plan.blocks;
+        let plan = core::mem::take(&mut self.plan);
+        self.next += plan.blocks;
         self.begun = 0;
         self.done += 1;
+        self.spreads = pass.spreads;
         let Some(estimate) = pass.strata.estimate(ErrorSource::WithinStrata) else {
             return;
         };
         self.passes.push(VegasPass {
-            lesson: self.plan.lesson,
+            lesson: plan.lesson,
             estimate,
             strata: self.strata.strata(),
-            capped: self.plan.capped,
+            capped: plan.capped,
             cells: self.mapped.grid.cells(),
         });
-        self.spreads = pass.spreads;
+        self.tail.merge(pass.strata.tail);
+        self.tail.settle();
         let largest = estimate.moments.largest().components();
         for (scale, x) in self.scales.as_mut().iter_mut().zip(largest.as_ref()) {
             *scale = if x.is_normal() { 1.0 / x } else { *scale };
         }
-        if self.plan.lesson {
+        if plan.lesson {
             let following = self.round.lessons.get(self.done);
             let cells = following.map_or(self.mapped.grid.cells(), |&n| self.cells_for(n));
-            let telling = pass.histogram.effective_samples() * PER_EFFECTIVE;
+            self.lesson = pass.histogram.effective_samples();
+            let telling = self.lesson * PER_EFFECTIVE;
             let cells = cells.min(FEWEST_CELLS.max(telling as usize));
             // Nothing is refused here: α has been checked, the shape is its own.
             let refined = self
@@ -398,6 +411,7 @@ impl<E: TryEstimator> Integrator for Vegas<E> {
             scales: &self.scales,
             non_finite: self.non_finite,
             lesson: self.plan.lesson,
+            tail: &self.tail,
         };
         let block = Block {
             index: self.next + index,
@@ -422,6 +436,7 @@ impl<E: TryEstimator> Integrator for Vegas<E> {
             // A pass with a hole in it says nothing.
             self.next += self.begun;
             self.begun = 0;
+            self.plan = Plan::default();
             let mut error = failure.explain(&self.strata, &self.mapped);
             error.sample += before;
             return Err(error);
@@ -440,10 +455,17 @@ impl<E: TryEstimator> Integrator for Vegas<E> {
 
     fn meets(&self, tolerance: &Tolerance) -> bool {
         self.passes.last().is_some_and(|pass| !pass.lesson)
-            && self.answer().is_some_and(|e| tolerance.is_met_by(&e))
+            && pass::answer(&self.passes).is_some_and(|e| tolerance.is_met_by(&e))
     }
 
     fn answer(&self) -> Option<Self::Answer> {
-        pass::answer(&self.passes)
+        let answer = pass::answer(&self.passes)?;
+        let mut evidence = Evidence::of(&self.tail, &answer.moments)
+            .with_agreement(|k| Some(self.consistency(k)?.q))
+            .with_lesson(self.lesson);
+        if let [Some(first), Some(last)] = pass::halves(&self.passes) {
+            evidence = evidence.with_parts(&first, &last);
+        }
+        Some(answer.with_evidence(evidence))
     }
 }

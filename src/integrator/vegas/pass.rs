@@ -7,6 +7,11 @@ use crate::value::Value;
 
 /// What a pass of [`Vegas`](super::Vegas) found.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
 pub struct VegasPass<V: Value> {
     /// Whether the grid learned from it; the answer is from the passes in which it
     /// stood still.
@@ -35,16 +40,31 @@ pub struct Consistency {
 /// The mean of the passes that are not lessons, each weighed by its samples;
 /// while there is none, the last lesson.
 pub(super) fn answer<V: Value>(passes: &[VegasPass<V>]) -> Option<Estimate<V>> {
-    let frozen = || passes.iter().filter(|p| !p.lesson).map(|p| p.estimate);
-    let total: f64 = frozen().map(|e| e.samples() as f64).sum();
-    let terms = frozen().map(|e| weighted(&e, e.samples() as f64 / total));
-    let Some(sum) = Estimate::sum(terms) else {
-        return passes.last().map(|p| p.estimate);
-    };
+    pooled(&frozen(passes)).or_else(|| passes.last().map(|p| p.estimate))
+}
+
+fn frozen<V: Value>(passes: &[VegasPass<V>]) -> Vec<Estimate<V>> {
+    let frozen = passes.iter().filter(|p| !p.lesson);
+    frozen.map(|p| p.estimate).collect()
+}
+
+/// Each weighed by its samples.
+fn pooled<V: Value>(estimates: &[Estimate<V>]) -> Option<Estimate<V>> {
+    let total: f64 = estimates.iter().map(|e| e.samples() as f64).sum();
+    let terms = estimates
+        .iter()
+        .map(|e| weighted(e, e.samples() as f64 / total));
     Some(Estimate {
         error_source: ErrorSource::WithinStrata,
-        ..sum
+        ..Estimate::sum(terms)?
     })
+}
+
+/// What the first half of the passes of the answer found, and what the last.
+pub(super) fn halves<V: Value>(passes: &[VegasPass<V>]) -> [Option<Estimate<V>>; 2] {
+    let frozen = frozen(passes);
+    let (first, last) = frozen.split_at(frozen.len() / 2);
+    [pooled(first), pooled(last)]
 }
 
 /// w ⟨I⟩ with its error bar; the moments stay as they are.

@@ -3,7 +3,7 @@
 use core::cell::RefCell;
 use core::ops::{ControlFlow, Range};
 
-use crate::estimate::Moments;
+use crate::estimate::{Moments, Tail};
 use crate::estimator::{Location, Mapped, TryEstimator, through};
 use crate::integrator::NonFinite;
 use crate::integrator::sample_block::{is_finite, sample_block};
@@ -30,6 +30,8 @@ pub(super) struct Sweep<'a, E: TryEstimator> {
     pub non_finite: NonFinite,
     /// Whether the grid learns from it.
     pub lesson: bool,
+    /// The largest values of the answer so far.
+    pub tail: &'a Tail<Wide<E>>,
 }
 
 impl<E: TryEstimator> Sweep<'_, E> {
@@ -37,7 +39,13 @@ impl<E: TryEstimator> Sweep<'_, E> {
     pub(super) fn block(&self, strata: Range<usize>, block: Block) -> Swept<E> {
         let mut moments = Moments::new();
         let mut walk = Walk::new(self.strata, strata, self.scales.as_ref());
-        let see = |slice: &[Wide<E>]| walk.over(slice);
+        let mut tail = self.tail.continued();
+        let see = |moments: &Moments<Wide<E>>, slice: &[Wide<E>]| {
+            walk.over(slice);
+            if !self.lesson {
+                tail.push_last_of(moments, slice);
+            }
+        };
         let (failure, histogram) = if self.lesson {
             let pupil = Pupil::new(self.mapped, self.scales.as_ref());
             let result = sample_block(
@@ -65,6 +73,7 @@ impl<E: TryEstimator> Sweep<'_, E> {
         let taken = moments.count() + moments.non_finite();
         let mut strata = walk.sums;
         strata.moments = moments;
+        strata.tail = tail;
         let partial = SweepPartial {
             strata,
             spreads: walk.spreads,
@@ -211,6 +220,11 @@ impl<'a, V: Value> Walk<'a, V> {
 
 /// What a block of [`Vegas`](super::Vegas) contributes: that of successive strata.
 #[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
 pub struct SweepPartial<V: Value, E> {
     pub(super) strata: Strata<V>,
     /// σₘ of each stratum.
