@@ -7,6 +7,7 @@
 mod support;
 
 use std::cell::Cell;
+use std::time::Instant;
 
 use estimand::estimate::Tolerance;
 use estimand::integrator::{Learning, VegasError};
@@ -336,6 +337,31 @@ fn what_cannot_be_learned_from_is_said_or_survived() {
         Err(VegasError::Share(1.0))
     );
     assert!(Vegas::new(Importance::new(|x: f64| x, Interval::unit()), 0, 1).is_err());
+}
+
+/// Ten times the evaluations, or ten times the dimensions, take ten times as long:
+/// quadratic would be a hundred. The shortest of three, since others work as well.
+#[test]
+fn time_is_linear_in_evaluations_and_dimensions() {
+    fn time<const D: usize>(evaluations: u64) -> f64 {
+        let estimator = Importance::new(|x: [f64; D]| x.iter().sum::<f64>(), UnitCube::<D>);
+        let once = |seed| {
+            let mut vegas = Vegas::new(estimator, D, seed).unwrap();
+            let start = Instant::now();
+            let e = estimate(&mut vegas, evaluations);
+            assert!((e.mean - D as f64 / 2.0).abs() < 6.0 * e.standard_error);
+            assert!(e.samples() > evaluations / 2 && vegas.spent() <= evaluations);
+            start.elapsed().as_secs_f64()
+        };
+        (1..=3).map(once).fold(f64::INFINITY, f64::min)
+    }
+    let base = time::<10>(40_000);
+    for (what, longer) in [
+        ("evaluations", time::<10>(400_000)),
+        ("dimensions", time::<100>(40_000)),
+    ] {
+        assert!(longer < 30.0 * base, "{what}: {longer} s, {base} s");
+    }
 }
 
 /// Each stratum has the points it was given, uniform inside it.
