@@ -2,6 +2,7 @@
 
 mod display;
 mod interval;
+mod merged;
 mod moments;
 mod ratio;
 mod student;
@@ -11,6 +12,7 @@ mod tolerance;
 
 pub(crate) use display::with_errors;
 pub use interval::{ConfidenceInterval, LevelError};
+pub use merged::{Consistency, MergeError};
 pub use moments::Moments;
 pub use ratio::{Ratio, RatioError};
 pub use tolerance::{Measure, Tolerance, ToleranceError};

@@ -15,6 +15,7 @@ mod strata;
 mod stratified_monte_carlo;
 mod vegas;
 
+pub use crate::estimate::Consistency;
 pub use controlled_estimate::ControlledEstimate;
 pub use controlled_monte_carlo::ControlledMonteCarlo;
 pub use median::Median;
@@ -29,7 +30,7 @@ pub(crate) use sample_block::sample_block;
 pub(crate) use sample_error::Failure;
 pub use sample_error::{Cause, SampleError};
 pub use stratified_monte_carlo::StratifiedMonteCarlo;
-pub use vegas::{Consistency, Learning, Vegas, VegasError, VegasPass};
+pub use vegas::{Learning, Vegas, VegasError, VegasPass};
 
 use core::ops::ControlFlow;
 
