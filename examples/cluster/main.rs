@@ -145,13 +145,15 @@ where
     };
     let checkpoint = Checkpoint::new(path).every(options.every);
     let finished = resume(integrator, executor, &stop, &checkpoint, |_| ())?;
-    if let Some(save) = checkpoint.last_save() {
-        let save = save?;
-        println!(
-            "saved: {} bytes in {:.1} ms",
+    match checkpoint.last_save() {
+        Some(Ok(save)) => println!(
+            "saved: {} bytes, held up for {:.1} ms, on disk after {:.1} ms",
             save.bytes,
+            save.held.as_secs_f64() * 1e3,
             save.took.as_secs_f64() * 1e3
-        );
+        ),
+        Some(Err(error)) => println!("not saved: {error}"),
+        None => (),
     }
     Ok(finished)
 }

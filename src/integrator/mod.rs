@@ -18,6 +18,7 @@ mod stratified_monte_carlo;
 mod thinned;
 mod vegas;
 
+pub use crate::estimate::Consistency;
 pub use bounded_monte_carlo::{BoundedError, BoundedEstimate, BoundedMonteCarlo};
 pub use controlled_estimate::ControlledEstimate;
 pub use controlled_monte_carlo::ControlledMonteCarlo;
@@ -34,7 +35,7 @@ pub(crate) use sample_block::sample_block;
 pub(crate) use sample_error::Failure;
 pub use sample_error::{Cause, SampleError};
 pub use stratified_monte_carlo::StratifiedMonteCarlo;
-pub use vegas::{Consistency, Learning, Vegas, VegasError, VegasPass};
+pub use vegas::{Learning, Vegas, VegasError, VegasPass};
 
 use core::ops::ControlFlow;
 

@@ -5,6 +5,7 @@ use core::fmt;
 use core::time::Duration;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::thread::{self, JoinHandle};
 use std::time::Instant;
 
 use serde::Serialize;
@@ -27,7 +28,8 @@ use crate::integrator::{Fingerprint, Integrator, Resumable};
 /// What is saved is the state of the integrator, the blocks of the pass at hand,
 /// and a [`Fingerprint`]: not the integrand, which the program makes anew.
 ///
-/// A save waits for the blocks that are being computed; what it takes besides,
+/// A save waits for the blocks that are being computed, and takes a copy of what
+/// there is; the disk has a thread of its own. How long that takes,
 /// [`last_save`](Self::last_save) says. A save that fails does not end the run: it
 /// is tried again an interval later.
 #[derive(Debug)]
@@ -42,7 +44,9 @@ pub struct Checkpoint {
 pub struct Save {
     /// How many bytes the file has.
     pub bytes: u64,
-    /// How long it took, the disk included.
+    /// How long it held the run up.
+    pub held: Duration,
+    /// How long it took until all was on disk.
     pub took: Duration,
 }
 
@@ -68,7 +72,7 @@ impl Checkpoint {
         &self.path
     }
 
-    /// How the last save went; `None` while there was none.
+    /// How the last save went that is over, or not; `None` while there was none.
     pub fn last_save(&self) -> Option<Result<Save, CheckpointError>> {
         self.last.borrow().clone()
     }
@@ -182,6 +186,7 @@ where
         fingerprint,
         open,
         last: Instant::now(),
+        writing: None,
     };
     drive(integrator, executor, stop, &mut saver, progress).map_err(ResumeError::Run)
 }
@@ -264,6 +269,34 @@ struct Saver<'a, P> {
     fingerprint: Fingerprint,
     open: Open<P>,
     last: Instant,
+    writing: Option<JoinHandle<Result<Save, CheckpointError>>>,
+}
+
+impl<P> Saver<'_, P> {
+    /// Waits for the save that is being written.
+    fn settle(&mut self) {
+        let Some(writing) = self.writing.take() else {
+            return;
+        };
+        let written = writing.join().unwrap_or_else(|_| {
+            let error = io::Error::other("the thread that writes panicked");
+            Err(CheckpointError::io(Path::new(""), &error))
+        });
+        self.note(written);
+    }
+
+    fn note(&self, written: Result<Save, CheckpointError>) {
+        if let Some(checkpoint) = self.checkpoint {
+            *checkpoint.last.borrow_mut() = Some(written);
+        }
+    }
+}
+
+/// The last save is over when the run is.
+impl<P> Drop for Saver<'_, P> {
+    fn drop(&mut self) {
+        self.settle();
+    }
 }
 
 impl<I: Resumable> Saving<I> for Saver<'_, I::Partial>
@@ -285,18 +318,25 @@ where
         };
         let start = Instant::now();
         let saved = (integrator.spent(), integrator.state(), pass);
-        let written = postcard::to_stdvec(&(&self.fingerprint, saved))
-            .map_err(io::Error::other)
-            .map_err(|error| CheckpointError::io(&checkpoint.path, &error))
-            .and_then(|contents| {
-                let bytes = file::wrap(&contents);
-                file::write(&checkpoint.path, &bytes)?;
-                Ok(bytes.len() as u64)
-            });
+        let contents = postcard::to_stdvec(&(&self.fingerprint, saved));
+        self.settle();
+        let held = start.elapsed();
+        let path = checkpoint.path.clone();
+        let write = move || {
+            let contents = contents.map_err(io::Error::other);
+            let contents = contents.map_err(|error| CheckpointError::io(&path, &error))?;
+            let bytes = file::wrap(&contents);
+            file::write(&path, &bytes)?;
+            Ok(Save {
+                bytes: bytes.len() as u64,
+                held,
+                took: start.elapsed(),
+            })
+        };
+        match thread::Builder::new().spawn(write) {
+            Ok(writing) => self.writing = Some(writing),
+            Err(error) => self.note(Err(CheckpointError::io(&checkpoint.path, &error))),
+        }
         self.last = Instant::now();
-        *checkpoint.last.borrow_mut() = Some(written.map(|bytes| Save {
-            bytes,
-            took: start.elapsed(),
-        }));
     }
 }

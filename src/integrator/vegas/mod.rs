@@ -7,12 +7,12 @@ mod resume;
 mod sweep;
 
 pub use learning::{Learning, VegasError};
-pub use pass::{Consistency, VegasPass};
+pub use pass::VegasPass;
 
 use core::ops::ControlFlow;
 
 use super::{Integrator, NonFinite, SampleError};
-use crate::estimate::{ErrorSource, Estimate, Evidence, Tail, Tolerance};
+use crate::estimate::{Consistency, ErrorSource, Estimate, Evidence, Tail, Tolerance};
 use crate::estimator::{Mapped, TryEstimator};
 use crate::merge::Merge;
 use crate::pdf::AdaptiveGrid;
