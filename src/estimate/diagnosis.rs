@@ -9,7 +9,7 @@ use crate::value::{Components, Value};
 ///
 /// # Example
 ///
-/// Of 1/√x on [0, 1] the mean exists, but not the variance:
+/// Of x^(−3/4) on [0, 1] the mean exists, but not the variance:
 ///
 /// ```
 /// use estimand::prelude::*;
