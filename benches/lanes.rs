@@ -98,6 +98,17 @@ fn gauss_5_lanes(x: [[f64; LANES]; 5]) -> [f64; LANES] {
     f
 }
 
+/// The same as a type, which can say that it is to be inlined.
+struct Gauss5;
+
+impl Integrand<[f64; 5]> for Gauss5 {
+    type Value = f64;
+    #[inline(always)]
+    fn evaluate(&self, x: [f64; 5]) -> f64 {
+        gauss_5(x, exp)
+    }
+}
+
 /// A row: its name, and the ways to the same integral, by hand first.
 fn rows() -> [(&'static str, Vec<(&'static str, Side)>); 2] {
     [
@@ -138,6 +149,12 @@ fn rows() -> [(&'static str, Vec<(&'static str, Side)>); 2] {
                 ("scalar closure on lanes", || {
                     let f = |x: [f64; 5]| gauss_5(x, exp);
                     ours(ImportanceLanes::of(f, UnitCube), IndependentLanes::new(7))
+                }),
+                ("type on lanes", || {
+                    ours(
+                        ImportanceLanes::of(Gauss5, UnitCube),
+                        IndependentLanes::new(7),
+                    )
                 }),
                 ("lanes in a box", || {
                     Cuboid::new([(); 5].map(|()| 0.0..1.0)).map_or(f64::NAN, |domain| {

@@ -2,7 +2,7 @@
 
 use super::{Estimator, Location, locate, weigh};
 use crate::integrand::{Integrand, OnLanes};
-use crate::lanes::{LANES, Lanes, widest};
+use crate::lanes::{LANES, Lanes, Loop, widest};
 use crate::pdf::Pdf;
 use crate::sampler::{Coordinates, UnitPoint};
 use crate::value::{Components, Value};
@@ -100,21 +100,10 @@ where
         columns: &mut [[f64; LANES]],
         values: &mut [<F::Value as Value>::Wide],
     ) {
-        widest(|| {
-            let mut wider = [[0.0; LANES]; ROOM];
-            let groups = columns.chunks_exact_mut(P::Unit::COLUMNS);
-            for (values, group) in values.chunks_mut(LANES).zip(groups) {
-                let primaries = if P::Point::COLUMNS > P::Unit::COLUMNS {
-                    wider[..P::Unit::COLUMNS].copy_from_slice(group);
-                    self.primaries(&mut wider[..P::Point::COLUMNS])
-                } else {
-                    self.primaries(group)
-                };
-                match <&mut [_; LANES]>::try_from(&mut *values) {
-                    Ok(values) => *values = primaries,
-                    Err(_) => values.copy_from_slice(&primaries[..values.len()]),
-                }
-            }
+        widest(Weigh::<'_, F, P, ROOM> {
+            estimator: self,
+            columns,
+            values,
         });
     }
 
@@ -186,6 +175,36 @@ where
             last.put(&mut columns, l);
         }
         self.weigh::<ROOM>(&mut columns, values);
+    }
+}
+
+/// What [`ImportanceLanes::weigh`] does.
+struct Weigh<'a, F: Integrand<P::Point>, P: Pdf, const ROOM: usize> {
+    estimator: &'a ImportanceLanes<F, P>,
+    columns: &'a mut [[f64; LANES]],
+    values: &'a mut [<F::Value as Value>::Wide],
+}
+
+impl<F: Integrand<P::Point>, P: Pdf, const ROOM: usize> Loop for Weigh<'_, F, P, ROOM>
+where
+    P::Point: Lanes,
+{
+    #[inline(always)]
+    fn run(self) {
+        let mut wider = [[0.0; LANES]; ROOM];
+        let groups = self.columns.chunks_exact_mut(P::Unit::COLUMNS);
+        for (values, group) in self.values.chunks_mut(LANES).zip(groups) {
+            let primaries = if P::Point::COLUMNS > P::Unit::COLUMNS {
+                wider[..P::Unit::COLUMNS].copy_from_slice(group);
+                self.estimator.primaries(&mut wider[..P::Point::COLUMNS])
+            } else {
+                self.estimator.primaries(group)
+            };
+            match <&mut [_; LANES]>::try_from(&mut *values) {
+                Ok(values) => *values = primaries,
+                Err(_) => values.copy_from_slice(&primaries[..values.len()]),
+            }
+        }
     }
 }
 

@@ -1,24 +1,31 @@
 //! Which vector instructions a loop is compiled for.
 
-/// `f`, compiled for AVX2 as well, and that taken where the processor has it,
-/// if the feature `dispatch` is on.
-///
-/// Whatever `f` calls has to be inlined to gain by it.
-#[inline(always)]
-pub(crate) fn widest<R>(f: impl FnOnce() -> R) -> R {
-    #[cfg(all(feature = "dispatch", target_arch = "x86_64"))]
-    {
-        pulp::Arch::new().dispatch(f)
-    }
-    #[cfg(not(all(feature = "dispatch", target_arch = "x86_64")))]
-    {
-        f()
-    }
+/// A loop over lanes.
+pub(crate) trait Loop {
+    /// Says `#[inline(always)]`, and whatever it calls is inlined: what is not
+    /// has no other instructions than the rest of the program.
+    fn run(self);
 }
 
-/// `f`, compiled for AVX2, or nothing where the processor has none.
-#[cfg(all(feature = "dispatch", target_arch = "x86_64"))]
+/// Runs the loop. With the feature `dispatch` it is compiled for AVX2 as well,
+/// and that is taken where the processor has it.
 #[inline(always)]
-pub(crate) fn avx2<R>(f: impl FnOnce() -> R) -> Option<R> {
-    pulp::x86::V3::try_new().map(|instructions| instructions.vectorize(f))
+pub(crate) fn widest(work: impl Loop) {
+    #[cfg(all(feature = "dispatch", target_arch = "x86_64"))]
+    if let Some(instructions) = pulp::x86::V3::try_new() {
+        return instructions.vectorize(Run(work));
+    }
+    work.run();
+}
+
+#[cfg(all(feature = "dispatch", target_arch = "x86_64"))]
+struct Run<L>(L);
+
+#[cfg(all(feature = "dispatch", target_arch = "x86_64"))]
+impl<L: Loop> pulp::NullaryFnOnce for Run<L> {
+    type Output = ();
+    #[inline(always)]
+    fn call(self) {
+        self.0.run();
+    }
 }

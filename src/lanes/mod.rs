@@ -55,9 +55,7 @@
 mod dispatch;
 mod exp;
 
-#[cfg(all(feature = "dispatch", target_arch = "x86_64"))]
-pub(crate) use dispatch::avx2;
-pub(crate) use dispatch::widest;
+pub(crate) use dispatch::{Loop, widest};
 pub use exp::exp;
 
 /// How many points stand side by side.

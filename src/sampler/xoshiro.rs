@@ -8,8 +8,10 @@ use wide::{f64x4, u64x4};
 
 use super::independent::{GOLDEN, mix};
 use crate::lanes::LANES;
+
 #[cfg(all(feature = "dispatch", target_arch = "x86_64"))]
-use crate::lanes::avx2;
+#[path = "xoshiro_avx2.rs"]
+mod avx2;
 
 /// Eight xoshiro256+ side by side, which processors step together.
 ///
@@ -129,11 +131,15 @@ impl Xoshiro256PlusX8 {
     #[inline]
     pub(super) fn next_of(&mut self, l: usize) -> u64 {
         let l = l % LANES;
-        let mut state = self.state.map(|word| Words([word[l]]));
-        let Words([number]) = step(&mut state);
-        for (word, Words([new])) in self.state.iter_mut().zip(state) {
-            word[l] = new;
-        }
+        let [s0, s1, s2, s3] = self.state.each_mut().map(|word| &mut word[l]);
+        let number = s0.wrapping_add(*s3);
+        let t = *s1 << 17;
+        *s2 ^= *s0;
+        *s3 ^= *s1;
+        *s1 ^= *s2;
+        *s0 ^= *s3;
+        *s2 ^= t;
+        *s3 = s3.rotate_left(45);
         number
     }
 
@@ -143,45 +149,53 @@ impl Xoshiro256PlusX8 {
     #[inline(never)]
     pub(super) fn fill(&mut self, columns: &mut [[f64; LANES]]) {
         #[cfg(all(feature = "dispatch", target_arch = "x86_64"))]
-        if avx2(|| self.fill_arrays(columns)).is_some() {
+        if avx2::fill(&mut self.state, columns) {
             return;
         }
-        self.fill_vectors(columns);
+        fill(&mut self.state, columns, u64x4::splat(1.0_f64.to_bits()));
     }
+}
 
-    /// In the vectors of the target, four at a time: their state stays in
-    /// registers.
+/// Four words in a vector.
+trait Four: Word {
+    /// Other words in a vector of this kind.
+    fn with(self, words: [u64; 4]) -> Self;
+    fn words(self) -> [u64; 4];
+    /// The floats that have these bits, less 1.
+    fn less_one(self) -> [f64; 4];
+}
+
+impl Four for u64x4 {
     #[inline(always)]
-    fn fill_vectors(&mut self, columns: &mut [[f64; LANES]]) {
-        for four in [0, 4] {
-            let mut state = [u64x4::ZERO; 4];
-            for (new, word) in state.iter_mut().zip(&self.state) {
-                *new = u64x4::new([word[four], word[four + 1], word[four + 2], word[four + 3]]);
-            }
-            for column in &mut *columns {
-                let digits: u64x4 = (step(&mut state) >> 12_u32) | u64x4::splat(1.0_f64.to_bits());
-                let x = f64x4::new(digits.to_array().map(f64::from_bits)) - f64x4::ONE;
-                column[four..four + 4].copy_from_slice(&x.to_array());
-            }
-            for (word, new) in self.state.iter_mut().zip(state) {
-                word[four..four + 4].copy_from_slice(&new.to_array());
-            }
-        }
+    fn with(self, words: [u64; 4]) -> Self {
+        Self::new(words)
     }
-
-    /// The same without naming vectors, which leaves it to the compiler how long
-    /// they are: it finds them for AVX2, and does worse without.
-    #[cfg(all(feature = "dispatch", target_arch = "x86_64"))]
     #[inline(always)]
-    fn fill_arrays(&mut self, columns: &mut [[f64; LANES]]) {
-        let mut state = self.state.map(Words);
-        for column in columns {
-            let Words(digits) = step(&mut state);
-            for (x, r) in column.iter_mut().zip(digits) {
-                *x = f64::from_bits(r >> 12 | 1.0_f64.to_bits()) - 1.0;
-            }
+    fn words(self) -> [u64; 4] {
+        self.to_array()
+    }
+    #[inline(always)]
+    fn less_one(self) -> [f64; 4] {
+        (f64x4::new(self.to_array().map(f64::from_bits)) - f64x4::ONE).to_array()
+    }
+}
+
+/// [`Xoshiro256PlusX8::fill`], four at a time: their state stays in registers.
+/// `one` has the bits of 1.
+#[inline(always)]
+fn fill<W: Four>(state: &mut [[u64; LANES]; 4], columns: &mut [[f64; LANES]], one: W) {
+    for half in 0..2 {
+        let mut words = [one; 4];
+        for (new, word) in words.iter_mut().zip(&*state) {
+            *new = one.with(word.as_chunks().0[half]);
         }
-        self.state = state.map(|Words(word)| word);
+        for column in &mut *columns {
+            let digits = (step(&mut words) >> 12) | one;
+            column.as_chunks_mut().0[half] = digits.less_one();
+        }
+        for (word, new) in state.iter_mut().zip(words) {
+            word.as_chunks_mut().0[half] = new.words();
+        }
     }
 }
 
@@ -191,17 +205,10 @@ pub(super) const fn unit_52(digits: u64) -> f64 {
     f64::from_bits(digits >> 12 | 1.0_f64.to_bits()) - 1.0
 }
 
-/// What the generators with this state give next.
+/// What the generators with this state give next: [`Xoshiro256PlusX8::next_of`]
+/// of several.
 #[inline(always)]
-fn step<W>(state: &mut [W; 4]) -> W
-where
-    W: Copy
-        + Add<Output = W>
-        + BitXor<Output = W>
-        + BitOr<Output = W>
-        + Shl<u32, Output = W>
-        + Shr<u32, Output = W>,
-{
+fn step<W: Word>(state: &mut [W; 4]) -> W {
     let [s0, s1, s2, s3] = *state;
     let number = s0 + s3;
     let t = s1 << 17;
@@ -210,59 +217,18 @@ where
     number
 }
 
-/// 64-bit words side by side, whose sums wrap.
-#[derive(Clone, Copy)]
-struct Words<const N: usize>([u64; N]);
-
-impl<const N: usize> Words<N> {
-    #[inline(always)]
-    fn with(mut self, other: Self, f: impl Fn(u64, u64) -> u64) -> Self {
-        for l in 0..N {
-            self.0[l] = f(self.0[l], other.0[l]);
-        }
-        self
-    }
+/// One or more words of 64 digits, whose sums wrap.
+trait Word:
+    Copy
+    + Add<Output = Self>
+    + BitXor<Output = Self>
+    + BitOr<Output = Self>
+    + Shl<u32, Output = Self>
+    + Shr<u32, Output = Self>
+{
 }
 
-impl<const N: usize> Add for Words<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.with(other, u64::wrapping_add)
-    }
-}
-
-impl<const N: usize> BitXor for Words<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn bitxor(self, other: Self) -> Self {
-        self.with(other, |a, b| a ^ b)
-    }
-}
-
-impl<const N: usize> BitOr for Words<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn bitor(self, other: Self) -> Self {
-        self.with(other, |a, b| a | b)
-    }
-}
-
-impl<const N: usize> Shl<u32> for Words<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn shl(self, n: u32) -> Self {
-        Self(self.0.map(|word| word << n))
-    }
-}
-
-impl<const N: usize> Shr<u32> for Words<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn shr(self, n: u32) -> Self {
-        Self(self.0.map(|word| word >> n))
-    }
-}
+impl Word for u64x4 {}
 
 #[cfg(test)]
 mod tests {
@@ -324,7 +290,11 @@ mod tests {
                 *column = core::array::from_fn(|l| unit_52(one.next_of(l)));
             }
             let mut columns = vec![[0.0; LANES]; len];
-            vectors.fill_vectors(&mut columns);
+            fill(
+                &mut vectors.state,
+                &mut columns,
+                u64x4::splat(1.0_f64.to_bits()),
+            );
             assert_eq!((&columns, &vectors), (&expected, &one));
             either.fill(&mut columns);
             assert_eq!((&columns, &either), (&expected, &one));
