@@ -8,6 +8,7 @@ pub mod estimator;
 pub mod integrand;
 mod integrate;
 pub mod integrator;
+pub mod lanes;
 pub mod merge;
 pub mod pdf;
 pub mod prelude;

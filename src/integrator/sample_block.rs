@@ -40,19 +40,26 @@ pub(crate) fn sample_block<S: Sampler, E: TryEstimator>(
         block,
         offset,
     };
+    if block.len == 0 {
+        return Ok(());
+    }
+    // There is no value to begin with but the first one. Later slices are taken
+    // whole, and begin where lanes do.
+    points.next_point();
+    let first = estimator
+        .try_estimate(&mut points)
+        .map_err(|e| fail(0, Cause::Integrand(e)))?;
+    let mut values = [first; SLICE];
+    let mut ready = 1;
     let mut done = 0;
     while done < block.len {
         let len = (block.len - done).min(SLICE as u64) as usize;
-        points.next_point();
-        let first = estimator
-            .try_estimate(&mut points)
-            .map_err(|e| fail(done, Cause::Integrand(e)))?;
-        let mut slice = [first; SLICE];
         let failed = estimator
-            .try_estimate_all(&mut points, &mut slice[1..len])
+            .try_estimate_all(&mut points, &mut values[ready..len])
             .err();
-        let taken = failed.as_ref().map_or(len, |(taken, _)| 1 + taken);
-        let slice = &slice[..taken];
+        let taken = failed.as_ref().map_or(len, |(taken, _)| ready + taken);
+        ready = 0;
+        let slice = &values[..taken];
         match non_finite {
             NonFinite::SetAside => moments.push_all(slice),
             NonFinite::Refuse => {

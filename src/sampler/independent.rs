@@ -87,7 +87,7 @@ impl<R> Independent<R> {
 /// The points of one block of [`Independent`].
 #[derive(Clone, Debug)]
 pub struct IndependentStream<R = Pcg64Mcg> {
-    generator: R,
+    pub(super) generator: R,
 }
 
 impl<R: Rng> IndependentStream<R> {
