@@ -1,5 +1,6 @@
 //! Spends a budget of samples, pass by pass.
 
+mod automatic;
 mod controlled_estimate;
 mod controlled_monte_carlo;
 mod median;
@@ -13,6 +14,9 @@ mod strata;
 mod stratified_monte_carlo;
 mod vegas;
 
+pub use automatic::{
+    Automatic, AutomaticError, AutomaticEstimate, AutomaticPartial, Choice, Method, Promise, Why,
+};
 pub use controlled_estimate::ControlledEstimate;
 pub use controlled_monte_carlo::ControlledMonteCarlo;
 pub use median::Median;
