@@ -4,8 +4,8 @@ use core::fmt;
 
 use super::QuadratureError;
 use super::composite::finite;
-use super::symmetric::Degree;
 use super::regions::{BoxRule, NotFinite, Regions};
+use super::symmetric::Degree;
 use crate::estimate::{Tolerance, with_errors};
 use crate::pdf::Pdf;
 use crate::sampler::UnitPoint;
@@ -152,8 +152,8 @@ impl<P: Pdf, V: Value, F: Fn(P::Point) -> V> Adaptive<P, F, V> {
     /// The domain has 1 to 15 coordinates.
     pub fn new(f: F, domain: P, degree: Degree) -> Result<Self, QuadratureError<P::Point>> {
         let dimensions = P::Unit::DIM;
-        let rule = BoxRule::new(dimensions, degree)
-            .ok_or(QuadratureError::Dimensions(dimensions))?;
+        let rule =
+            BoxRule::new(dimensions, degree).ok_or(QuadratureError::Dimensions(dimensions))?;
         let boxes = Regions::new(rule, dimensions);
         Ok(Self { domain, f, boxes })
     }

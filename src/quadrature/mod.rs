@@ -27,6 +27,6 @@ pub use composite::{Quadrature, composite, halving, primary_estimates};
 pub use error::QuadratureError;
 pub(crate) use found::Found;
 pub(crate) use regions::{BoxRule, Cut, Regions};
-pub use symmetric::Degree;
 pub use rule::{Node, Rule, RuleError};
+pub use symmetric::Degree;
 pub use tensor::tensor;

@@ -16,6 +16,7 @@ use crate::value::{Components, Value};
 #[derive(Clone, Debug)]
 pub(super) struct Boxes<'a, E: TryEstimator> {
     estimator: By<'a, E>,
+    dimension: usize,
     regions: Regions<<E::Value as Value>::Components>,
     /// The boxes to be cut, and how many of these make a block.
     batch: Vec<usize>,
@@ -30,8 +31,6 @@ pub(super) struct Boxes<'a, E: TryEstimator> {
 const SHARE: f64 = 0.1;
 /// A block has about so many evaluations.
 const BLOCK: u64 = 512;
-/// An error is not taken to fall faster than evaluations to this power.
-const FASTEST: f64 = 3.0;
 /// A pass has at most so many cuts.
 const MOST_CUTS: usize = 1 << 12;
 
@@ -60,6 +59,7 @@ impl<'a, E: TryEstimator> Boxes<'a, E> {
         let each = (BLOCK / (2 * rule.cost())).max(1) as usize;
         Some(Self {
             estimator,
+            dimension,
             regions: Regions::new(rule, dimension),
             batch: Vec::new(),
             each,
@@ -73,26 +73,31 @@ impl<'a, E: TryEstimator> Boxes<'a, E> {
     }
 
     /// What the error would be after so many evaluations, if it went on to fall as
-    /// it did since half of those there are; `None` before the first box.
+    /// it did of late, when that was slowest, and no faster than that of a smooth
+    /// integrand; `None` before the first box.
     pub(super) fn promise(&self, evaluations: u64) -> Option<Wide<E>> {
         let &(last, error) = self.history.last()?;
-        let half = self.history.iter().rev().find(|(n, _)| *n <= last / 2);
         let then = evaluations.max(last) as f64 / last as f64;
         let mut promise = error.components();
         for (k, e) in promise.as_mut().iter_mut().enumerate() {
-            let fell = half.map(|(n, before)| {
+            let since = |share: u64| {
+                let before = self.history.iter().rev().find(|(n, _)| *n <= last / share);
+                let (n, before) = before.or(self.history.first())?;
                 let fell = before.components().as_ref()[k] / *e;
-                fell.ln() / (last as f64 / *n as f64).ln()
-            });
-            // NaN where both are 0.
-            let rate = fell.filter(|r| *r > 0.0).unwrap_or(0.0).min(FASTEST);
-            *e /= then.powf(rate);
+                Some(fell.ln() / (last as f64 / *n as f64).ln())
+            };
+            // NaN where nothing is known, or both are 0.
+            let rates = [2, 4, 8].map(|share| since(share).filter(|r| *r > 0.0));
+            let slowest = rates.into_iter().map(|r| r.unwrap_or(0.0));
+            let smooth = 10.0 / self.dimension as f64;
+            *e *= 0.5 / then.powf(slowest.fold(smooth, f64::min));
         }
         Some(E::Value::wide(promise))
     }
 
     pub(super) fn meets(&self, tolerance: &Tolerance) -> bool {
-        let (value, error) = self.regions.total();
+        let (value, mut error) = self.regions.total();
+        error.as_mut().iter_mut().for_each(|e| *e *= 0.5);
         self.regions.len() > 0 && tolerance.admits_value(value.as_ref(), error.as_ref())
     }
 
@@ -166,10 +171,7 @@ impl<'a, E: TryEstimator> Boxes<'a, E> {
         }
     }
 
-    pub(super) fn absorb(
-        &mut self,
-        pass: Block<E>,
-    ) -> Result<(), SampleError<Wide<E>, E::Error>> {
+    pub(super) fn absorb(&mut self, pass: Block<E>) -> Result<(), SampleError<Wide<E>, E::Error>> {
         let before = self.spent();
         if let Some(whole) = pass.whole {
             self.regions.begin(whole);
@@ -187,7 +189,7 @@ impl<'a, E: TryEstimator> Boxes<'a, E> {
         pass.failure.map_or(Ok(()), Err)
     }
 
-    /// The sum over the boxes, with its error for a standard error; `None` before
+    /// The sum over the boxes, with its error for two standard errors; `None` before
     /// there is one. `moments` are those of points taken before.
     pub(super) fn answer(&self, moments: &Moments<Wide<E>>) -> Option<Estimate<Wide<E>>> {
         if self.regions.len() == 0 {
@@ -196,7 +198,7 @@ impl<'a, E: TryEstimator> Boxes<'a, E> {
         let (value, error) = self.regions.total();
         let mut covariance = <E::Value as Value>::Components::ZERO_MATRIX;
         for (k, row) in covariance.as_mut().iter_mut().enumerate() {
-            let error = error.as_ref()[k];
+            let error = 0.5 * error.as_ref()[k];
             row.as_mut()[k] = error * error;
         }
         let source = ErrorSource::Quadrature;

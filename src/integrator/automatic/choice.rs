@@ -13,6 +13,8 @@ pub enum Method {
     /// The same through a grid that has learned and then stands still
     /// ([`Mapped`](crate::estimator::Mapped)).
     MappedNet,
+    /// Nets through a mixture of normal densities that has found peaks.
+    Peaks,
     /// VEGAS+ ([`Vegas`](crate::integrator::Vegas)).
     Strata,
     /// Adaptive cubature ([`Adaptive`](crate::quadrature::Adaptive)).
@@ -25,6 +27,7 @@ impl fmt::Display for Method {
             Self::Plain => "plain Monte Carlo",
             Self::Net => "scrambled nets",
             Self::MappedNet => "nets through a learned map",
+            Self::Peaks => "nets on peaks",
             Self::Strata => "VEGAS+",
             Self::Cubature => "adaptive cubature",
         })
@@ -37,8 +40,6 @@ impl fmt::Display for Method {
 pub enum Why {
     /// It promises the smallest error.
     SmallestError,
-    /// Cubature had promised a smaller error, and did not come near it.
-    Stalled,
     /// A budget too small for a pilot.
     SmallBudget,
     /// Every value of the pilot was 0: nothing was learned, and points were spread
@@ -50,7 +51,6 @@ impl fmt::Display for Why {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::SmallestError => "it promises the smallest error",
-            Self::Stalled => "cubature did not keep its promise",
             Self::SmallBudget => "the budget is too small for a pilot",
             Self::AllZero => "every value of the pilot is 0",
         })
@@ -89,6 +89,10 @@ impl<W: fmt::Debug> fmt::Display for Choice<W> {
             let before = if i == 0 { " (" } else { ", " };
             write!(f, "{before}{} ±{:.1?}", promise.method, promise.error)?;
         }
-        if self.promises.is_empty() { Ok(()) } else { f.write_str(")") }
+        if self.promises.is_empty() {
+            Ok(())
+        } else {
+            f.write_str(")")
+        }
     }
 }

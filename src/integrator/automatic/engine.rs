@@ -4,6 +4,9 @@ use core::ops::ControlFlow;
 
 use super::boxes::{Boxes, BoxesPartial};
 use super::by::{By, Wide};
+use super::mixed::Mixed;
+use super::mixture::Mixture;
+use super::search::{Search, SearchPartial};
 use crate::estimate::{Estimate, Moments, Tolerance};
 use crate::estimator::{Mapped, TryEstimator};
 use crate::integrator::monte_carlo::MonteCarloPartial;
@@ -24,6 +27,8 @@ pub(super) enum Engine<'a, E: TryEstimator> {
     Mapped(RandomizedQmc<Mapped<By<'a, E>>, Sobol<Owen>>),
     Strata(Box<Vegas<By<'a, E>>>),
     Boxes(Boxes<'a, E>),
+    Search(Box<Search<'a, E>>),
+    Mixed(RandomizedQmc<Mixed<'a, E>, Sobol<Owen>>),
 }
 
 /// What a block of [`Automatic`](super::Automatic) contributes: that of the
@@ -37,6 +42,7 @@ enum Part<V: Value, E> {
     Points(RandomizedQmcPartial<V, E>),
     Strata(SweepPartial<V, E>),
     Boxes(BoxesPartial<V, E>),
+    Search(SearchPartial<V, E>),
 }
 
 impl<V: Value, E> Merge for AutomaticPartial<V, E> {
@@ -46,6 +52,7 @@ impl<V: Value, E> Merge for AutomaticPartial<V, E> {
             (Part::Points(left), Part::Points(right)) => left.merge(right),
             (Part::Strata(left), Part::Strata(right)) => left.merge(right),
             (Part::Boxes(left), Part::Boxes(right)) => left.merge(right),
+            (Part::Search(left), Part::Search(right)) => left.merge(right),
             _ => debug_assert!(false, "blocks of one pass are of one kind"),
         }
     }
@@ -85,6 +92,22 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
         Some(Self::Mapped(net))
     }
 
+    /// Points from a mixture that stands still.
+    pub(super) fn mixed(
+        estimator: By<'a, E>,
+        mixture: Mixture,
+        seed: u64,
+        replicates: u16,
+    ) -> Option<Self> {
+        let net = Sobol::new(mixture.dimension() + 1)
+            .ok()?
+            .scrambled(Owen, seed);
+        let mixed = Mixed { estimator, mixture };
+        Some(Self::Mixed(
+            RandomizedQmc::new(mixed, net, replicates).ok()?,
+        ))
+    }
+
     pub(super) fn strata(
         estimator: By<'a, E>,
         grid: AdaptiveGrid,
@@ -102,6 +125,8 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
             Self::Mapped(engine) => Self::Mapped(engine.on_non_finite(policy)),
             Self::Strata(engine) => Self::Strata(Box::new(engine.on_non_finite(policy))),
             Self::Boxes(engine) => Self::Boxes(engine),
+            Self::Search(engine) => Self::Search(Box::new(engine.on_non_finite(policy))),
+            Self::Mixed(engine) => Self::Mixed(engine.on_non_finite(policy)),
         }
     }
 
@@ -112,6 +137,8 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
             Self::Mapped(engine) => engine.spent(),
             Self::Strata(engine) => engine.spent(),
             Self::Boxes(engine) => engine.spent(),
+            Self::Search(engine) => engine.spent(),
+            Self::Mixed(engine) => engine.spent(),
         }
     }
 
@@ -122,6 +149,8 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
             Self::Mapped(engine) => engine.smallest_pass(),
             Self::Strata(engine) => engine.smallest_pass(),
             Self::Boxes(engine) => engine.smallest_pass(),
+            Self::Search(engine) => engine.smallest_pass(),
+            Self::Mixed(engine) => engine.smallest_pass(),
         }
     }
 
@@ -132,6 +161,8 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
             Self::Mapped(engine) => engine.plan(budget),
             Self::Strata(engine) => engine.plan(budget),
             Self::Boxes(engine) => engine.plan(budget),
+            Self::Search(engine) => engine.plan(budget),
+            Self::Mixed(engine) => engine.plan(budget),
         }
     }
 
@@ -142,6 +173,8 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
             Self::Mapped(engine) => wrap(engine.block(index), Part::Points),
             Self::Strata(engine) => wrap(engine.block(index), Part::Strata),
             Self::Boxes(engine) => wrap(engine.block(index), Part::Boxes),
+            Self::Search(engine) => wrap(engine.block(index), Part::Search),
+            Self::Mixed(engine) => wrap(engine.block(index), Part::Points),
         }
     }
 
@@ -156,7 +189,11 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
                 engine.absorb(pass, blocks).map_err(of_replicate)
             }
             (Self::Strata(engine), Part::Strata(pass)) => engine.absorb(pass, blocks),
+            (Self::Mixed(engine), Part::Points(pass)) => {
+                engine.absorb(pass, blocks).map_err(of_replicate)
+            }
             (Self::Boxes(engine), Part::Boxes(pass)) => engine.absorb(pass),
+            (Self::Search(engine), Part::Search(pass)) => engine.absorb(pass, blocks),
             _ => Ok(()),
         }
     }
@@ -168,6 +205,8 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
             Self::Mapped(engine) => engine.meets(tolerance),
             Self::Strata(engine) => engine.meets(tolerance),
             Self::Boxes(engine) => engine.meets(tolerance),
+            Self::Search(_) => false,
+            Self::Mixed(engine) => engine.meets(tolerance),
         }
     }
 
@@ -179,6 +218,8 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
             Self::Mapped(engine) => engine.answer(),
             Self::Strata(engine) => engine.answer(),
             Self::Boxes(engine) => engine.answer(moments),
+            Self::Search(_) => None,
+            Self::Mixed(engine) => engine.answer(),
         }
     }
 }

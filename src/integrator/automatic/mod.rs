@@ -5,8 +5,12 @@ mod boxes;
 mod by;
 mod choice;
 mod engine;
+mod fit;
+mod mixed;
+mod mixture;
 mod pilot;
 mod promise;
+mod search;
 
 pub use answer::AutomaticEstimate;
 pub use choice::{Choice, Method, Promise, Why};
@@ -19,8 +23,8 @@ use crate::estimate::Tolerance;
 use crate::estimator::TryEstimator;
 use crate::value::{Components, Value};
 use by::{By, Wide};
-use engine::Engine;
 pub use engine::AutomaticPartial;
+use engine::Engine;
 use pilot::{Findings, Stage};
 
 /// Finds the method by a pilot, and spends the rest of the budget by it.
@@ -36,6 +40,7 @@ use pilot::{Findings, Stage};
 /// | adaptive cubature | few dimensions; smooth, or kinks and jumps along the axes |
 /// | scrambled nets | most else |
 /// | nets through a learned map | peaks, poles, kinks along the axes |
+/// | nets on peaks that were searched for | narrow peaks, ridges |
 /// | VEGAS+ | what nets do not help with |
 /// | plain Monte Carlo | budgets too small for anything else |
 ///
@@ -153,7 +158,11 @@ impl<E: TryEstimator> Integrator for Automatic<'_, E> {
                 Stage::Answer => budget,
                 _ => budget.min(self.findings.allowance.saturating_sub(self.engine.spent())),
             };
-            let blocks = if allowed > 0 { self.engine.plan(allowed) } else { 0 };
+            let blocks = if allowed > 0 {
+                self.engine.plan(allowed)
+            } else {
+                0
+            };
             if blocks > 0 || self.stage == Stage::Answer {
                 return blocks;
             }
@@ -179,13 +188,13 @@ impl<E: TryEstimator> Integrator for Automatic<'_, E> {
     }
 
     fn meets(&self, tolerance: &Tolerance) -> bool {
-        matches!(self.stage, Stage::Answer | Stage::Dig) && self.engine.meets(tolerance)
+        self.stage == Stage::Answer && self.engine.meets(tolerance)
     }
 
     fn answer(&self) -> Option<Self::Answer> {
         let of_engine = || self.engine.answer(&self.findings.moments);
         let estimate = match (self.stage, self.findings.look) {
-            (Stage::Answer | Stage::Dig, look) => of_engine().or(look),
+            (Stage::Answer, look) => of_engine().or(look),
             (_, Some(look)) => Some(look),
             _ => of_engine(),
         };

@@ -5,7 +5,9 @@ use super::boxes::Boxes;
 use super::by::Wide;
 use super::choice::{Choice, Method, Promise, Why};
 use super::engine::Engine;
-use super::promise::{layout, rate, size, times};
+use super::mixture::MOST_AXES;
+use super::promise::{fewest, layout, rate, size, times};
+use super::search::Search;
 use crate::estimate::{Estimate, Moments};
 use crate::estimator::TryEstimator;
 use crate::integrator::{Integrator, Learning};
@@ -27,10 +29,12 @@ pub(super) enum Stage {
     Learn,
     /// Nets through that grid.
     Try,
-    /// The grid learns more, for the nets of the answer.
+    /// Peaks, as they are searched for.
+    Search,
+    /// Nets on these.
+    TryPeaks,
+    /// The grid learns more, or more is seen of the peaks, for the nets of the answer.
     Teach,
-    /// Cubature, before it is asked whether it keeps its promise.
-    Dig,
     /// The answer.
     Answer,
 }
@@ -45,10 +49,17 @@ pub(super) struct Findings<'a, E: TryEstimator> {
     /// Of the nets as they are.
     pub(super) look: Option<Estimate<Wide<E>>>,
     pub(super) moments: Moments<Wide<E>>,
+    /// The fewest replicates of nets, and of nets through the map.
+    net: u16,
+    mapped: u16,
+    peaks: u16,
     /// Errors of the net at hand, after so many points of each replicate.
     history: Vec<(u64, f64)>,
     boxes: Option<Boxes<'a, E>>,
+    /// Whether cubature has had a second look.
+    deeper: bool,
     grid: Option<AdaptiveGrid>,
+    search: Option<Box<Search<'a, E>>>,
     /// What it took to learn.
     lessons: u64,
     promises: Vec<Promise<Wide<E>>>,
@@ -62,9 +73,14 @@ impl<E: TryEstimator> Default for Findings<'_, E> {
             allowance: 0,
             look: None,
             moments: Moments::new(),
+            net: REPLICATES,
+            mapped: REPLICATES,
+            peaks: REPLICATES,
             history: Vec::new(),
             boxes: None,
+            deeper: false,
             grid: None,
+            search: None,
             lessons: 0,
             promises: Vec::new(),
         }
@@ -86,8 +102,15 @@ const MOST_PILOT: u64 = 1 << 17;
 const REPLICATES: u16 = 8;
 /// What the stages of the pilot take of it; nets through the map take what is left.
 const LOOK: f64 = 0.25;
-const BOXES: f64 = 0.2;
-const LEARN: f64 = 0.33;
+const BOXES: f64 = 0.25;
+const LEARN: f64 = 0.25;
+/// Peaks are searched for where the square of one value in so many is as large as
+/// all together.
+const PEAKED: f64 = 30.0;
+/// In so many rounds, and in so many more once they have been chosen.
+const ROUNDS: u64 = 12;
+const ROUNDS_MORE: u64 = 3;
+const TEACH_PEAKS: f64 = 0.1;
 /// Degree nine where the budget pays for so many cuts; else degree seven where it
 /// pays for so many.
 const MANY: u64 = 50;
@@ -111,25 +134,26 @@ const TEACH: f64 = 0.2;
 const STRATA_RATE: f64 = 0.6;
 /// What is not known of a method when it promises: its errors are taken for so many
 /// times larger.
-const MAPPED: f64 = 1.2;
+const MAPPED: f64 = 2.0;
 const STRATA: f64 = 1.2;
+const CUBATURE: f64 = 0.2;
 /// Cubature's promise has to be so many times better than that of nets to end the
 /// pilot early.
 const CLEARLY: f64 = 100.0;
+/// Not more than so many times worse, and it is followed further.
+const PLAUSIBLE: f64 = 30.0;
 /// Fewer effective samples in the pilot tell nothing of what cubature may have
 /// missed.
 const EFFECTIVE: f64 = 20.0;
 /// How many standard errors of the pilot cubature may be away from it.
 const FAR: f64 = 5.0;
-/// The part of the rest after which cubature is asked whether it keeps its promise.
-const DIG: f64 = 0.3;
-
 impl<'a, E: TryEstimator> Automatic<'a, E> {
     /// Takes note of a pass.
     pub(super) fn note(&mut self) {
         let (points, estimate) = match &self.engine {
             Engine::Net(net) if self.stage == Stage::Look => (net.points(), net.answer()),
             Engine::Mapped(net) if self.stage == Stage::Try => (net.points(), net.answer()),
+            Engine::Mixed(net) if self.stage == Stage::TryPeaks => (net.points(), net.answer()),
             _ => return,
         };
         let Some(estimate) = estimate else { return };
@@ -138,7 +162,12 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             self.findings.moments = estimate.moments;
         }
         let error = size(&estimate.standard_error.components(), &self.scales());
-        if self.findings.history.last().is_none_or(|last| last.0 < points) {
+        if self
+            .findings
+            .history
+            .last()
+            .is_none_or(|last| last.0 < points)
+        {
             self.findings.history.push((points, error));
         }
     }
@@ -152,7 +181,11 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         let of = mean.as_ref().iter().zip(variance.as_ref());
         for (scale, (m, v)) in scales.as_mut().iter_mut().zip(of) {
             let square = m * m + v;
-            *scale = if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 };
+            *scale = if square > 0.0 {
+                1.0 / square.sqrt()
+            } else {
+                0.0
+            };
         }
         scales
     }
@@ -168,11 +201,12 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             Stage::Look => self.after_look(),
             Stage::Boxes => self.after_boxes(),
             Stage::Learn => self.after_learning(),
-            Stage::Try => {
-                self.promise_of_net(Method::MappedNet);
+            Stage::Search => self.after_search(),
+            Stage::Try => self.after_trying(),
+            Stage::TryPeaks => {
+                self.promise_of_net(Method::Peaks);
                 self.decide();
             }
-            Stage::Dig => self.after_digging(),
             Stage::Teach => self.after_teaching(left),
             Stage::Answer => {}
         }
@@ -194,7 +228,12 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
     }
 
     fn net(&self, stage: Stage, replicates: u16) -> Option<Engine<'a, E>> {
-        Engine::net(self.estimator, self.dimension, self.seed_of(stage), replicates)
+        Engine::net(
+            self.estimator,
+            self.dimension,
+            self.seed_of(stage),
+            replicates,
+        )
     }
 
     fn begin(&mut self, left: u64) {
@@ -205,7 +244,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         if budget < SMALL {
             return self.choose(Method::Net, Why::SmallBudget);
         }
-        let (points, _) = layout((self.findings.pilot as f64 * LOOK) as u64);
+        let (points, _) = layout((self.findings.pilot as f64 * LOOK) as u64, REPLICATES);
         match self.net(Stage::Look, REPLICATES) {
             Some(net) => self.go(Stage::Look, net, points * u64::from(REPLICATES)),
             None => return self.choose(Method::Plain, Why::SmallBudget),
@@ -230,15 +269,22 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         let (points, estimate) = match &self.engine {
             Engine::Net(net) => (net.points(), net.answer()),
             Engine::Mapped(net) => (net.points(), net.answer()),
+            Engine::Mixed(net) => (net.points(), net.answer()),
             _ => return,
         };
         let Some(estimate) = estimate else { return };
         let rest = match method {
             Method::MappedNet => (self.rest() as f64 * (1.0 - TEACH)) as u64,
+            Method::Peaks => (self.rest() as f64 * (1.0 - TEACH_PEAKS)) as u64,
             _ => self.rest(),
         };
-        let (then, replicates) = layout(rest);
         let rate = rate(&self.findings.history, f64::from(REPLICATES));
+        let (then, replicates) = layout(rest, fewest(rate));
+        match method {
+            Method::MappedNet => self.findings.mapped = fewest(rate),
+            Method::Peaks => self.findings.peaks = fewest(rate),
+            _ => self.findings.net = fewest(rate),
+        }
         let fewer = f64::from(REPLICATES) / f64::from(replicates);
         let factor = fewer.sqrt() * (points as f64 / then as f64).powf(rate);
         self.promise(method, times(estimate.standard_error, factor));
@@ -253,10 +299,19 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             error.as_mut().iter_mut().for_each(|v| *v = (*v / n).sqrt());
             self.promise(Method::Plain, E::Value::wide(error));
         }
-        if moments.largest().components().as_ref().iter().all(|x| *x == 0.0) {
+        if moments
+            .largest()
+            .components()
+            .as_ref()
+            .iter()
+            .all(|x| *x == 0.0)
+        {
             return self.choose(Method::Net, Why::AllZero);
         }
         let allowance = (self.findings.pilot as f64 * BOXES) as u64;
+        if self.is_peaked() {
+            return self.search(allowance);
+        }
         let degrees = [(Degree::Nine, MANY), (Degree::Seven, FEW)];
         let boxes = degrees.into_iter().find_map(|(degree, fewest)| {
             let boxes = Boxes::new(self.estimator, self.dimension, degree)?;
@@ -271,6 +326,64 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         }
     }
 
+    /// Whether few of the points say all there is to say.
+    fn is_peaked(&self) -> bool {
+        let moments = self.findings.moments;
+        let n = moments.count() as f64;
+        let mean = moments.mean().components();
+        let squares = mean.as_ref().iter().map(|m| m * m);
+        let variance = moments.variance().map(|v| v.components());
+        let variances = variance.iter().flat_map(|v| v.as_ref());
+        // n max f²/Σ f², at most n: how far the largest value stands out.
+        let largest = moments.largest().components();
+        let out = (squares.zip(variances).zip(largest.as_ref()))
+            .map(|((m, v), largest)| largest * largest / (m + v).max(f64::MIN_POSITIVE));
+        out.fold(0.0, f64::max) > n / PEAKED
+    }
+
+    fn search(&mut self, allowance: u64) {
+        if !(2..=MOST_AXES).contains(&self.dimension) {
+            return self.learn();
+        }
+        let seed = self.seed_of(Stage::Search);
+        let scales = self.scales();
+        let budget = (allowance, ROUNDS);
+        let search = Search::new(self.estimator, self.dimension, seed, scales, budget);
+        self.go(Stage::Search, Engine::Search(Box::new(search)), allowance);
+    }
+
+    fn after_search(&mut self) {
+        let idle = Engine::plain(self.estimator, self.seed);
+        if let Engine::Search(search) = self.go(Stage::Search, idle, 0)
+            && !search.mixture().parts().is_empty()
+        {
+            self.findings.search = Some(search);
+        }
+        self.learn();
+    }
+
+    fn after_trying(&mut self) {
+        self.promise_of_net(Method::MappedNet);
+        let Some(search) = &self.findings.search else {
+            return self.decide();
+        };
+        let mixture = search.mixture().clone();
+        let points = self.points_left();
+        let seed = self.seed_of(Stage::TryPeaks);
+        match Engine::mixed(self.estimator, mixture, seed, REPLICATES) {
+            Some(engine) => {
+                self.go(Stage::TryPeaks, engine, points * u64::from(REPLICATES));
+            }
+            None => self.decide(),
+        }
+    }
+
+    /// How many points of each replicate the pilot still pays for.
+    fn points_left(&self) -> u64 {
+        let spent = self.before + self.engine.spent();
+        layout(self.findings.pilot.saturating_sub(spent), REPLICATES).0
+    }
+
     fn after_boxes(&mut self) {
         let idle = Engine::plain(self.estimator, self.seed);
         let Engine::Boxes(boxes) = self.go(Stage::Boxes, idle, 0) else {
@@ -280,10 +393,21 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             && self.agrees(&boxes)
         {
             let settled = boxes.is_settled();
+            let net = self.findings.promises.first().map(|p| self.size(p.error));
+            let times = net.map_or(f64::INFINITY, |net| self.size(error) * CUBATURE / net);
+            let clear = settled || times * CLEARLY < 1.0;
+            if !clear && times < PLAUSIBLE && !self.findings.deeper {
+                // Worth another look.
+                self.findings.deeper = true;
+                self.before -= boxes.spent();
+                let left = self.findings.pilot.saturating_sub(self.before);
+                let allowance = boxes.spent() + left / 2;
+                self.go(Stage::Boxes, Engine::Boxes(boxes), allowance);
+                return;
+            }
             self.findings.boxes = Some(boxes);
             self.promise(Method::Cubature, error);
-            let net = self.findings.promises.first().map(|p| self.size(p.error));
-            if settled || net.is_some_and(|net| self.size(error) * CLEARLY < net) {
+            if clear {
                 return self.decide();
             }
         }
@@ -297,7 +421,10 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             return false;
         };
         let effective = moments.effective_sample_size().components();
-        let (value, error) = (cubature.mean.components(), cubature.standard_error.components());
+        let (value, error) = (
+            cubature.mean.components(),
+            cubature.standard_error.components(),
+        );
         let (mean, spread) = (look.mean.components(), look.standard_error.components());
         (0..<E::Value as Value>::Components::COUNT).all(|k| {
             let apart = (value.as_ref()[k] - mean.as_ref()[k]).abs();
@@ -306,14 +433,19 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             let telling = effective.as_ref()[k] >= EFFECTIVE || variance == Some(0.0) || {
                 // The mean may be near 0 where the values are not.
                 let largest = moments.largest().components().as_ref()[k];
-                variance.is_some_and(|v| largest * largest * EFFECTIVE <= v * moments.count() as f64)
+                variance
+                    .is_some_and(|v| largest * largest * EFFECTIVE <= v * moments.count() as f64)
             };
             telling && apart <= FAR * spread.as_ref()[k] + error.as_ref()[k] + rounding
         })
     }
 
     fn learn(&mut self) {
-        let allowance = (self.findings.pilot as f64 * LEARN) as u64;
+        let left = self
+            .findings
+            .pilot
+            .saturating_sub(self.before + self.engine.spent());
+        let allowance = ((self.findings.pilot as f64 * LEARN) as u64).min(left * 6 / 10);
         let seed = self.seed_of(Stage::Learn);
         let grid = AdaptiveGrid::new(self.dimension, 1).ok();
         match grid.and_then(|grid| Engine::strata(self.estimator, grid, seed, PILOT_LESSONS)) {
@@ -338,8 +470,10 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             let factor = (samples as f64 / then).powf(STRATA_RATE);
             self.promise(Method::Strata, times(answer.standard_error, factor));
         }
-        let spent = self.before + self.engine.spent();
-        let (points, _) = layout(self.findings.pilot.saturating_sub(spent));
+        let mut points = self.points_left();
+        if self.findings.search.is_some() {
+            points = (points / 2).max(1);
+        }
         let seed = self.seed_of(Stage::Try);
         self.findings.grid = Some(grid.clone());
         match Engine::mapped(self.estimator, grid, seed, REPLICATES) {
@@ -356,6 +490,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         let handicap = |method| match method {
             Method::MappedNet => MAPPED,
             Method::Strata => STRATA,
+            Method::Cubature => CUBATURE,
             _ => 1.0,
         };
         let of = |p: &Promise<_>| self.size(p.error) * handicap(p.method);
@@ -372,16 +507,29 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         let grid = self.findings.grid.take();
         let seed = self.seed_of(Stage::Answer);
         let plain = Engine::plain(self.estimator, seed);
-        let (points, replicates) = layout(left);
+        let (points, replicates) = layout(left, self.findings.net);
+        let search = self.findings.search.take();
         let (stage, engine, used, allowance) = match (method, grid, self.findings.boxes.take()) {
+            (Method::Peaks, ..) if search.is_some() => {
+                let used = search.as_ref().map_or(0, |search| search.spent());
+                let rest = (left as f64 * (1.0 - TEACH_PEAKS)) as u64;
+                let (points, replicates) = layout(rest, self.findings.peaks);
+                let allowance = left - points * u64::from(replicates);
+                self.before -= used;
+                let engine = search.map(|mut search| {
+                    search.go_on(allowance, ROUNDS_MORE);
+                    Engine::Search(search)
+                });
+                (Stage::Teach, engine, used, used + allowance)
+            }
             (Method::Cubature, _, Some(boxes)) => {
                 let used = boxes.spent();
                 self.before -= used;
-                let allowance = used + (left as f64 * DIG) as u64;
-                (Stage::Dig, Some(Engine::Boxes(boxes)), used, allowance)
+                (Stage::Answer, Some(Engine::Boxes(boxes)), used, 0)
             }
             (Method::MappedNet, Some(grid), _) => {
-                let (points, replicates) = layout((left as f64 * (1.0 - TEACH)) as u64);
+                let (points, replicates) =
+                    layout((left as f64 * (1.0 - TEACH)) as u64, self.findings.mapped);
                 let allowance = left - points * u64::from(replicates);
                 let engine = Engine::strata(self.estimator, grid, seed, TEACHING);
                 (Stage::Teach, engine, self.findings.lessons, allowance)
@@ -408,44 +556,23 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         });
     }
 
-    /// Cubature that has not come as far as nets promise to, leaves the rest to them.
-    fn after_digging(&mut self) {
-        let spent = self.before + self.engine.spent();
-        let left = self.findings.budget.saturating_sub(spent);
-        self.stage = Stage::Answer;
-        let Engine::Boxes(boxes) = &self.engine else {
-            return;
-        };
-        let Some(promise) = boxes.promise(boxes.spent() + left) else {
-            return;
-        };
-        let net = self.choice.as_ref().and_then(|choice| {
-            let mut promises = choice.promises.iter();
-            promises.find(|p| p.method == Method::Net).map(|p| p.error)
-        });
-        if boxes.is_settled() || net.is_none_or(|net| self.size(promise) <= self.size(net)) {
-            return;
-        }
-        let (_, replicates) = layout(left);
-        if let Some(engine) = self.net(Stage::Answer, replicates) {
-            self.go(Stage::Answer, engine, 0);
-            if let Some(choice) = &mut self.choice {
-                (choice.method, choice.why) = (Method::Net, Why::Stalled);
-                choice.pilot = spent;
-            }
-        }
-    }
-
     fn after_teaching(&mut self, left: u64) {
-        let Engine::Strata(vegas) = &self.engine else {
-            return;
-        };
-        let left = left.min(self.findings.budget.saturating_sub(self.before + vegas.spent()));
-        let (_, replicates) = layout(left);
-        let grid = vegas.grid().clone();
+        let spent = self.before + self.engine.spent();
+        let left = left.min(self.findings.budget.saturating_sub(spent));
         let seed = self.seed_of(Stage::Begin);
         self.stage = Stage::Answer;
-        if let Some(engine) = Engine::mapped(self.estimator, grid, seed, replicates) {
+        let engine = match &self.engine {
+            Engine::Strata(vegas) => {
+                let (_, replicates) = layout(left, self.findings.mapped);
+                Engine::mapped(self.estimator, vegas.grid().clone(), seed, replicates)
+            }
+            Engine::Search(search) => {
+                let (_, replicates) = layout(left, self.findings.peaks);
+                Engine::mixed(self.estimator, search.mixture().clone(), seed, replicates)
+            }
+            _ => None,
+        };
+        if let Some(engine) = engine {
             self.go(Stage::Answer, engine, 0);
         }
     }

@@ -9,6 +9,9 @@ const SPREAD: f64 = 0.25;
 /// The slowest and the fastest that it is taken to fall.
 const NET: (f64, f64) = (0.5, 1.5);
 
+/// Beyond, replicates are few.
+const FEW: f64 = 0.75;
+
 /// The exponent by which a net's error falls, from the errors of R replicates after
 /// so many points: the slope of a line, drawn to what is usual as far as the
 /// points do not tell.
@@ -46,11 +49,21 @@ pub(super) fn times<W: Value<Wide = W>>(error: W, factor: f64) -> W {
     W::wide(components)
 }
 
-/// How many points each of how many replicates has, at least 8 of them, that
+/// How many points each of how many replicates has, at least `fewest` of them, that
 /// `budget` pays for.
-pub(super) fn layout(budget: u64) -> (u64, u16) {
-    let points = (budget / 8).checked_ilog2().map_or(1, |m| 1_u64 << m);
-    (points, (budget / points).clamp(2, 15) as u16)
+pub(super) fn layout(budget: u64, fewest: u16) -> (u64, u16) {
+    let fewest = fewest.max(2);
+    let points = (budget / u64::from(fewest)).checked_ilog2();
+    let points = points.map_or(1, |m| 1_u64 << m);
+    let replicates = (budget / points).clamp(2, 2 * u64::from(fewest) - 1);
+    (points, replicates as u16)
+}
+
+/// The fewest replicates of a net whose error falls like n^−`rate`. The faster it
+/// falls, the more is lost by each; Student's t with three degrees of freedom is
+/// the price of having no more than four.
+pub(super) fn fewest(rate: f64) -> u16 {
+    if rate > FEW { 4 } else { 8 }
 }
 
 #[cfg(test)]
@@ -62,7 +75,9 @@ mod tests {
         assert_eq!(rate(&[], 8.0), PRIOR);
         assert_eq!(rate(&[(128, 0.1)], 8.0), PRIOR);
         let line = |r: f64| -> Vec<_> {
-            (0..20).map(|k| (1 << k, 0.5_f64.powf(r * f64::from(k)))).collect()
+            (0..20)
+                .map(|k| (1 << k, 0.5_f64.powf(r * f64::from(k))))
+                .collect()
         };
         for r in [0.6, 1.0, 1.4] {
             assert!((rate(&line(r), 8.0) - r).abs() < 0.01, "{r}");
@@ -72,13 +87,16 @@ mod tests {
 
     #[test]
     fn nets_spend_most_of_a_budget() {
-        assert_eq!(layout(90_000), (8192, 10));
-        assert_eq!(layout(65_536), (8192, 8));
-        assert_eq!(layout(65_535), (4096, 15));
-        for budget in 100..10_000 {
-            let (points, replicates) = layout(budget);
-            let spent = points * u64::from(replicates);
-            assert!(replicates >= 8 && spent <= budget && budget - spent < budget / 8);
+        assert_eq!(layout(90_000, 8), (8192, 10));
+        assert_eq!(layout(65_536, 8), (8192, 8));
+        assert_eq!(layout(65_535, 8), (4096, 15));
+        for fewest in [4, 8] {
+            for budget in 100..10_000 {
+                let (points, replicates) = layout(budget, fewest);
+                let spent = points * u64::from(replicates);
+                assert!(replicates >= fewest && spent <= budget);
+                assert!(budget - spent < budget / u64::from(fewest));
+            }
         }
     }
 }
