@@ -22,4 +22,6 @@ mod serial;
 pub mod value;
 pub mod verify;
 
-pub use integrate::{Outcome, integrate, try_integrate};
+pub use integrate::{
+    AutomaticOutcome, Outcome, integrate, integrate_dyn, monte_carlo, try_integrate,
+};

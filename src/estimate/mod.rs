@@ -101,6 +101,10 @@ pub enum ErrorSource {
     NeighbouringStrata,
     /// The spread of the means of independent randomisations of the points.
     Replicates,
+    /// Rules of different degrees at the same nodes, as
+    /// [`Adaptive`](crate::quadrature::Adaptive) compares them: an estimate of the
+    /// error, as a rule far too large, of a mean that is not random.
+    Quadrature,
     /// A sum of independent estimates with error bars of their own.
     Sum,
 }

@@ -97,6 +97,13 @@ fn positive(t: f64) -> bool {
 }
 
 impl Tolerance {
+    /// All components by the same share of themselves, however large.
+    pub(crate) const EVEN: Self = Self {
+        absolute: 0.0,
+        relative: 1.0,
+        measure: Measure::Each,
+    };
+
     /// error ≤ `tolerance`
     ///
     /// # Errors

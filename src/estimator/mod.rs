@@ -16,6 +16,7 @@ mod multi_sample;
 mod multiple_importance;
 mod one_sample;
 mod primary;
+mod slice;
 
 pub use antithetic::Antithetic;
 pub use control_variates::ControlVariates;
@@ -34,6 +35,7 @@ pub use multi_sample::{MultiSample, MultiSampleError};
 pub use multiple_importance::{Combination, Draw, MultipleImportance};
 pub use one_sample::{OneSample, OneSampleError};
 pub use primary::primary_estimates;
+pub(crate) use slice::SliceImportance;
 
 use core::convert::Infallible;
 

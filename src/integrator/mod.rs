@@ -1,5 +1,6 @@
 //! Spends a budget of samples, pass by pass.
 
+mod automatic;
 mod bounded_monte_carlo;
 mod controlled_estimate;
 mod controlled_monte_carlo;
@@ -19,6 +20,9 @@ mod thinned;
 mod vegas;
 
 pub use crate::estimate::Consistency;
+pub use automatic::{
+    Automatic, AutomaticError, AutomaticEstimate, AutomaticPartial, Choice, Method, Promise, Why,
+};
 pub use bounded_monte_carlo::{BoundedError, BoundedEstimate, BoundedMonteCarlo};
 pub use controlled_estimate::ControlledEstimate;
 pub use controlled_monte_carlo::ControlledMonteCarlo;

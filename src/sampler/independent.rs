@@ -64,7 +64,7 @@ impl Independent {
 
 impl<R> Independent<R> {
     /// What its points belong to.
-    pub(super) const fn seed(&self) -> u64 {
+    pub(crate) const fn seed(&self) -> u64 {
         self.seed
     }
 

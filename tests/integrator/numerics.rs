@@ -11,13 +11,13 @@ use proptest::prelude::*;
 fn values_of_single_precision_do_not_stall() {
     let samples = 100_000_000;
     let stop = Stop::samples(samples);
-    let one = integrate(|_: [f64; 1]| 1.0_f32, UnitCube, &stop)
+    let one = monte_carlo(|_: [f64; 1]| 1.0_f32, UnitCube, &stop)
         .unwrap()
         .answer;
     assert_eq!((one.mean, one.standard_error), (1.0, 0.0));
     assert_eq!(one.samples(), samples);
     // 0 and 1, half each: the mean is known to 5 standard errors.
-    let half = integrate(|[x]| if x < 0.5 { 1.0_f32 } else { 0.0 }, UnitCube, &stop);
+    let half = monte_carlo(|[x]| if x < 0.5 { 1.0_f32 } else { 0.0 }, UnitCube, &stop);
     let half = half.unwrap().answer;
     assert_relative_eq!(half.standard_error, 0.5e-4, max_relative = 1e-3);
     assert!((half.mean - 0.5).abs() < 5.0 * half.standard_error);
@@ -31,9 +31,9 @@ fn values_of_single_precision_do_not_stall() {
 fn a_large_mean_does_not_drown_a_small_variance() {
     let noisy = |[u]: [f64; 1]| 1e9 + 1e-3 * (u - 0.5) * 12_f64.sqrt();
     let stop = Stop::samples(1_000_000);
-    let e = integrate(noisy, UnitCube, &stop).unwrap().answer;
+    let e = monte_carlo(noisy, UnitCube, &stop).unwrap().answer;
     // The same points without the 10⁹, whose subtraction is exact.
-    let small = integrate(|x| noisy(x) - 1e9, UnitCube, &stop)
+    let small = monte_carlo(|x| noisy(x) - 1e9, UnitCube, &stop)
         .unwrap()
         .answer;
     assert_relative_eq!(e.mean - 1e9, small.mean, epsilon = 1e-7);

@@ -19,7 +19,8 @@ use crate::pdf::AdaptiveGrid;
 use crate::sampler::{AdaptiveStrata, Block};
 use crate::value::{Components, Value};
 use learning::Round;
-use sweep::{Sweep, SweepPartial, Wide};
+pub use sweep::SweepPartial;
+use sweep::{Sweep, Wide};
 
 /// VEGAS+: an [`AdaptiveGrid`] that learns where the integrand is large, and
 /// [`AdaptiveStrata`] that learn where, behind the grid, it still varies.
