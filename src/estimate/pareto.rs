@@ -155,7 +155,6 @@ mod tests {
     #[test]
     fn says_nothing_of_few_or_equal_values() {
         assert_eq!(Pareto::fit(&quantiles(0.5, 1.0, 19), 0.0), None);
-        assert_eq!(None);
         assert_eq!(Pareto::fit(&[3.0; 256], 3.0), None);
         assert_eq!(Pareto::fit(&[], 0.0), None);
         assert_eq!(Pareto::fit(&[f64::MAX; 256], f64::MIN), None);
