@@ -9,6 +9,7 @@ mod histogram_error;
 mod interval;
 mod moments;
 mod pareto;
+mod placed;
 mod ratio;
 mod student;
 mod sum;
