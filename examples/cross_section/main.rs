@@ -106,7 +106,7 @@ fn main() -> Outcome<()> {
             "{:>7.1} … {:<7.1}{:>18}{exact:>12.5}{:>10}",
             e[0],
             e[1],
-            sigma.to_string(),
+            sigma,
             draws.count()
         );
     }

@@ -3,6 +3,7 @@
 use core::fmt::{self, Write as _};
 use core::ops::Range;
 
+use super::display::with_errors;
 use super::histogram_error::MOST_BINS;
 use super::{Estimate, HistogramError, Moments, Ratio, RatioError};
 use crate::merge::Merge;
@@ -22,7 +23,8 @@ use crate::value::{Components, Value};
 /// kept apart, below, above, or [`unplaced`](Self::unplaced) if x is NaN. Weights
 /// that are not finite are counted and left out, as in [`Moments`].
 ///
-/// A bin that holds no draw has 0(0), whatever might be in it.
+/// A bin that holds no draw has 0(0), whatever might be in it; its
+/// [`diagnosis`](Estimate::diagnosis) says so.
 ///
 /// Filled from [`events`](crate::estimator::Importance::events), or on threads by
 /// [`HistogramMonteCarlo`](crate::integrator::HistogramMonteCarlo).
@@ -269,7 +271,7 @@ impl fmt::Display for Histogram {
         for (bin, edges) in self.edges.windows(2).enumerate() {
             write!(f, "{:>12} … {:<12}", edges[0], edges[1])?;
             match self.bin(bin) {
-                Some(estimate) => writeln!(f, "{estimate}")?,
+                Some(e) => writeln!(f, "{}", with_errors(&[e.mean], &[e.standard_error]))?,
                 None => writeln!(f, "–")?,
             }
         }
@@ -426,7 +428,9 @@ mod tests {
         assert!(some.ranges([0..1, 0..4]).is_none());
         assert_eq!(some.ratio(3, 0), Err(RatioError::Component(3)));
         assert_eq!(some.ratio(0, 2), Err(RatioError::ZeroDenominator(2)));
-        assert_eq!(some.bin(2).unwrap().to_string(), "0(0)");
+        let nothing = some.bin(2).unwrap();
+        assert_eq!((nothing.mean, nothing.standard_error), (0.0, 0.0));
+        assert!(!nothing.diagnosis().is_trusted());
     }
 
     #[test]

@@ -11,6 +11,7 @@ mod interval;
 mod merged;
 mod moments;
 mod pareto;
+mod placed;
 mod ratio;
 mod sequence;
 mod skewed;

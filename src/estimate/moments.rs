@@ -35,22 +35,22 @@ use crate::value::{Components, Value};
     serde(bound = "")
 )]
 pub struct Moments<V: Value> {
-    count: u64,
-    non_finite: u64,
+    pub(super) count: u64,
+    pub(super) non_finite: u64,
     #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
-    mean: V::Components,
+    pub(super) mean: V::Components,
     /// Lower triangle of Σ (x − x̄)(x − x̄)ᵀ.
     #[cfg_attr(
         feature = "serde",
         serde(with = "crate::serial::Matrix::<V::Components>")
     )]
-    second: <V::Components as Components>::Matrix,
+    pub(super) second: <V::Components as Components>::Matrix,
     #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
-    third: V::Components,
+    pub(super) third: V::Components,
     #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
-    fourth: V::Components,
+    pub(super) fourth: V::Components,
     #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
-    largest: V::Components,
+    pub(super) largest: V::Components,
 }
 
 impl<V: Value> Default for Moments<V> {
@@ -155,15 +155,6 @@ impl<V: Value> Moments<V> {
                 self.second.as_mut()[k].as_mut()[l] +=
                     sums.second.as_ref()[k].as_ref()[l] - n * shift.as_ref()[k] * shift.as_ref()[l];
             }
-        }
-    }
-
-    /// Of so many values that are 0, and so many that are not finite.
-    pub(super) fn zeros(count: u64, non_finite: u64) -> Self {
-        Self {
-            count,
-            non_finite,
-            ..Self::default()
         }
     }
 
@@ -303,24 +294,6 @@ impl<V: Value> Moments<V> {
     #[must_use]
     pub fn largest(&self) -> V::Wide {
         V::wide(self.largest)
-    }
-}
-
-impl Moments<f64> {
-    /// Those of a value that has these values in each component that `holds` them,
-    /// and 0 in the others.
-    pub(super) fn in_components<V: Value>(&self, holds: impl Fn(usize) -> bool) -> Moments<V> {
-        let mut spread = Moments::<V>::zeros(self.count, self.non_finite);
-        for k in (0..V::Components::COUNT).filter(|&k| holds(k)) {
-            spread.mean.as_mut()[k] = self.mean[0];
-            spread.third.as_mut()[k] = self.third[0];
-            spread.fourth.as_mut()[k] = self.fourth[0];
-            spread.largest.as_mut()[k] = self.largest[0];
-            for l in (0..=k).filter(|&l| holds(l)) {
-                spread.second.as_mut()[k].as_mut()[l] = self.second[0][0];
-            }
-        }
-        spread
     }
 }
 
