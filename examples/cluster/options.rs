@@ -32,9 +32,9 @@ impl Options {
         let mut options = Self {
             what,
             samples: match what {
-                What::Plain => 20_000_000,
-                What::Vegas => 4_000_000,
-                What::Film => 64 * 64 * 200,
+                What::Plain => 8_000_000,
+                What::Vegas => 2_000_000,
+                What::Film => 64 * 64 * 100,
             },
             threads: false,
             measure: false,
