@@ -14,7 +14,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use estimand::estimator::ImportanceLanes;
-use estimand::lanes::{LANES, exp};
+use estimand::lanes::{LANES, Lanes, exp};
 use estimand::pdf::{Cuboid, UnitCube};
 use estimand::prelude::*;
 use estimand::sampler::IndependentLanes;
@@ -106,6 +106,10 @@ impl Integrand<[f64; 5]> for Gauss5 {
     #[inline(always)]
     fn evaluate(&self, x: [f64; 5]) -> f64 {
         gauss_5(x, exp)
+    }
+    #[inline(always)]
+    fn evaluate_lanes(&self, x: &[[f64; LANES]]) -> [f64; LANES] {
+        gauss_5_lanes(<[f64; 5]>::side_by_side(x))
     }
 }
 

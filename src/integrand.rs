@@ -45,6 +45,7 @@ pub trait Integrand<X> {
     where
         X: Lanes,
     {
+        // Not `from_fn`, of which compilers make no vectors.
         let mut values = [self.evaluate(X::get(x, 0)); LANES];
         for (l, value) in values.iter_mut().enumerate().skip(1) {
             *value = self.evaluate(X::get(x, l));

@@ -1,14 +1,18 @@
-//! Memory does not grow with the samples, and no sample allocates.
+//! Memory does not grow with the samples, and no sample allocates; what a sample
+//! or a pixel costs does not grow with their number. Counted, not timed.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+use std::cell::Cell;
 use std::hint::black_box;
 
 use allocation_counter::{AllocationInfo, measure};
-use estimand::estimator::{DensityControls, Heuristic, MultiSample};
+use estimand::estimator::{DensityControls, Heuristic, ImportanceLanes, MultiSample};
 use estimand::integrator::{ControlledMonteCarlo, Learning};
+use estimand::lanes::LANES;
 use estimand::pdf::{AdaptiveGrid, UnitCube};
 use estimand::prelude::*;
+use estimand::sampler::{Block, Iid, IndependentLanes};
 
 fn of(f: impl FnOnce()) -> AllocationInfo {
     measure(f)
@@ -36,11 +40,18 @@ fn techniques(samples: u64) {
     run(&mut integrator, &Serial, &Stop::samples(samples)).unwrap();
 }
 
+fn lanes(samples: u64) {
+    let f = |[x, y]: [[f64; LANES]; 2]| std::array::from_fn(|l| x[l] * y[l]);
+    let estimator = ImportanceLanes::new(f, UnitCube);
+    let mut integrator = MonteCarlo::new(estimator, IndependentLanes::new(1));
+    run(&mut integrator, &Serial, &Stop::samples(samples)).unwrap();
+}
+
 /// Each pass merges its blocks in a tree of at most log₂ n subtrees, and each block
 /// may bring some of the largest values; that, and nothing else, is allocated.
 #[test]
 fn a_run_allocates_by_the_block_and_not_by_the_sample() {
-    for integrate in [plain, strata, techniques] {
+    for integrate in [plain, strata, techniques, lanes] {
         let few = of(|| integrate(10_000));
         let many = of(|| integrate(10_000_000));
         assert!(few.count_total < 1_500, "{few:?}");
@@ -60,6 +71,138 @@ fn an_integrand_that_allocates_is_noticed() {
         run(&mut integrator, &Serial, &Stop::samples(10_000)).unwrap();
     });
     assert!(info.count_total > 10_000, "{info:?}");
+}
+
+/// What a run has asked for: blocks, points, coordinates.
+#[derive(Default)]
+struct Asked {
+    blocks: Cell<u64>,
+    points: Cell<u64>,
+    coordinates: Cell<u64>,
+}
+
+/// A sampler that counts what it is asked for.
+struct Counting<'a>(Independent, &'a Asked);
+struct CountingStream<'a, C>(C, &'a Asked);
+
+impl Sampler for Counting<'_> {
+    type Stream<'a>
+        = CountingStream<'a, <Independent as Sampler>::Stream<'a>>
+    where
+        Self: 'a;
+    fn stream(&self, block: Block) -> Self::Stream<'_> {
+        self.1.blocks.set(self.1.blocks.get() + 1);
+        CountingStream(self.0.stream(block), self.1)
+    }
+}
+
+impl Iid for Counting<'_> {}
+
+impl<C: Coordinates> Coordinates for CountingStream<'_, C> {
+    fn next_point(&mut self) {
+        self.1.points.set(self.1.points.get() + 1);
+        self.0.next_point();
+    }
+    fn next_1d(&mut self) -> f64 {
+        self.1.coordinates.set(self.1.coordinates.get() + 1);
+        self.0.next_1d()
+    }
+}
+
+/// From 10⁵ to 10⁸ samples: one evaluation, one point and its two coordinates
+/// each, and fewer blocks a sample, never more.
+#[test]
+fn a_sample_costs_the_same_however_many_there_are() {
+    let mut blocks_a_sample = f64::INFINITY;
+    for samples in [100_000, 1_000_000, 10_000_000, 100_000_000_u64] {
+        let (asked, calls) = (Asked::default(), Cell::new(0_u64));
+        let f = |[x, y]: [f64; 2]| {
+            calls.set(calls.get() + 1);
+            x * y
+        };
+        let estimator = Importance::new(f, UnitCube);
+        let mut integrator = MonteCarlo::new(estimator, Counting(Independent::new(1), &asked));
+        run(&mut integrator, &Serial, &Stop::samples(samples)).unwrap();
+        let counted = [&calls, &asked.points, &asked.coordinates].map(Cell::get);
+        assert_eq!(counted, [samples, samples, 2 * samples]);
+        let blocks = asked.blocks.get() as f64 / samples as f64;
+        assert!(blocks < blocks_a_sample, "{samples}: {blocks}");
+        blocks_a_sample = blocks;
+    }
+    // Nearly all in blocks of 4096, when there are many.
+    assert!(blocks_a_sample * 4096.0 < 1.1, "{blocks_a_sample}");
+}
+
+/// VEGAS+ and randomised nets: evaluations are what was asked for; thirty times
+/// as many take less than ten times the allocations, and less than a byte each.
+#[test]
+fn learning_and_nets_cost_no_more_with_more_samples() {
+    let vegas = |samples, calls: &Cell<u64>| {
+        let f = |x: [f64; 3]| {
+            calls.set(calls.get() + 1);
+            x.iter().product::<f64>()
+        };
+        let estimator = Importance::new(f, UnitCube);
+        let mut integrator = Vegas::new(estimator, 3, 1).unwrap();
+        run(&mut integrator, &Serial, &Stop::samples(samples)).unwrap();
+    };
+    let net = |samples, calls: &Cell<u64>| {
+        let f = |x: [f64; 3]| {
+            calls.set(calls.get() + 1);
+            x.iter().product::<f64>()
+        };
+        let points = Sobol::new(3).unwrap().scrambled(estimand::sampler::Owen, 1);
+        let mut integrator = RandomizedQmc::new(Importance::new(f, UnitCube), points, 8).unwrap();
+        run(&mut integrator, &Serial, &Stop::samples(samples)).unwrap();
+    };
+    let methods: [(&str, &dyn Fn(u64, &Cell<u64>)); 2] = [("vegas", &vegas), ("net", &net)];
+    for (name, integrate) in methods {
+        let [few, many] = [100_000, 3_000_000].map(|samples| {
+            let calls = Cell::new(0);
+            let info = of(|| integrate(samples, &calls));
+            // Whole sweeps and nets leave some of a budget.
+            assert!(calls.get() <= samples, "{name}: {calls:?}");
+            assert!(calls.get() > samples / 3, "{name}: {calls:?}");
+            info
+        });
+        assert!(
+            many.count_total < 10 * few.count_total,
+            "{name}: {few:?} {many:?}"
+        );
+        // VEGAS+ keeps a number for each stratum.
+        assert!(many.bytes_max < 3_000_000, "{name}: {many:?}");
+    }
+}
+
+/// A film is linear in its pixels: samples exactly, and memory too.
+#[cfg(feature = "render")]
+#[test]
+fn a_pixel_costs_the_same_however_many_there_are() {
+    use estimand::render::Film;
+    use glam::DVec3;
+
+    const EACH: u64 = 16;
+    let mut a_pixel: Vec<[f64; 2]> = Vec::new();
+    for size in [32, 128, 512] {
+        let calls = Cell::new(0);
+        let noise = FromFn(|u: &mut dyn Coordinates| {
+            calls.set(calls.get() + 1);
+            let [x, y] = u.next_2d();
+            DVec3::new(x, y, x * y)
+        });
+        let pixels = u64::from(size) * u64::from(size);
+        let info = of(|| {
+            let mut film = Film::new(noise, Independent::new(1), [size; 2]).unwrap();
+            run(&mut film, &Serial, &Stop::samples(EACH * pixels)).unwrap();
+        });
+        assert_eq!(calls.get(), EACH * pixels);
+        a_pixel.push([info.bytes_max, info.count_total].map(|n| n as f64 / pixels as f64));
+    }
+    for more in a_pixel.windows(2) {
+        let ([bytes, count], [more_bytes, more_count]) = (more[0], more[1]);
+        assert!(more_bytes < 1.5 * bytes, "{a_pixel:?}");
+        assert!(more_count < 1.5 * count, "{a_pixel:?}");
+    }
 }
 
 /// Neither does a path, however long. A tree keeps vertices aside, and makes room

@@ -112,15 +112,12 @@ where
         let densities = self.pdf.sample_lanes(columns);
         let values = self.integrand.evaluate_lanes(columns);
         let right = |&p: &f64| (p > 0.0) & (p <= f64::MAX);
+        if !densities.iter().fold(true, |all, p| all & right(p)) {
+            return weigh_each(&values, &densities);
+        }
         let mut primaries = [F::Value::wide(Components::ZERO); LANES];
-        if densities.iter().fold(true, |all, p| all & right(p)) {
-            for l in 0..LANES {
-                primaries[l] = values[l].over(densities[l]);
-            }
-        } else {
-            for l in 0..LANES {
-                primaries[l] = weigh(values[l], densities[l]);
-            }
+        for l in 0..LANES {
+            primaries[l] = values[l].over(densities[l]);
         }
         primaries
     }
@@ -176,6 +173,13 @@ where
         }
         self.weigh::<ROOM>(&mut columns, values);
     }
+}
+
+/// Where one of the densities is wrong: each by itself.
+#[cold]
+#[inline(never)]
+fn weigh_each<V: Value>(values: &[V; LANES], densities: &[f64; LANES]) -> [V::Wide; LANES] {
+    core::array::from_fn(|l| weigh(values[l], densities[l]))
 }
 
 /// What [`ImportanceLanes::weigh`] does.
@@ -234,5 +238,163 @@ where
 
     fn locate<C: Coordinates>(&self, u: &mut C) -> Location {
         locate(&self.pdf, u)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimator::Importance;
+    use crate::lanes::exp;
+    use crate::pdf::{Cuboid, Exponential, Interval, Sample, UniformSphere, UnitCube};
+    use crate::sampler::{Block, Independent, IndependentLanes, Sampler, Sobol};
+
+    const INF: f64 = f64::INFINITY;
+
+    fn bits(values: &[f64]) -> Vec<u64> {
+        values.iter().map(|x| x.to_bits()).collect()
+    }
+
+    /// Estimates on lanes are those of `Importance`, whatever the number and
+    /// wherever they begin; the points go on after them.
+    #[track_caller]
+    fn agree<P: Pdf, L, S: Sampler>(
+        pdf: P,
+        sampler: &S,
+        one: impl Fn(P::Point) -> f64,
+        eight: impl Fn(L) -> [f64; LANES],
+    ) where
+        P::Point: Lanes<Lanes = L>,
+    {
+        let block = Block {
+            index: 3,
+            start: 0,
+            len: 10_000,
+        };
+        let plain = Importance::new(&one, &pdf);
+        let lanes = ImportanceLanes::new(eight, &pdf);
+        let each = ImportanceLanes::of(&one, &pdf);
+        for len in [0, 1, 7, 8, 9, 255, 256, 1000] {
+            for skipped in [0, 1, 7, 8, 100] {
+                let mut expected = vec![0.0; skipped + len];
+                let mut points = sampler.stream(block);
+                plain.estimate_all(&mut points, &mut expected);
+                points.next_point();
+                let next = points.next_1d();
+
+                let mut values = vec![0.0; skipped + len];
+                let mut points = sampler.stream(block);
+                let (first, rest) = values.split_at_mut(skipped);
+                for value in first {
+                    points.next_point();
+                    *value = lanes.estimate(&mut points);
+                }
+                lanes.estimate_all(&mut points, rest);
+                assert_eq!(bits(&values), bits(&expected), "{skipped} {len}");
+                points.next_point();
+                assert_eq!(points.next_1d(), next);
+
+                let mut points = sampler.stream(block);
+                each.estimate_all(&mut points, &mut values);
+                assert_eq!(bits(&values), bits(&expected), "{skipped} {len}");
+            }
+        }
+    }
+
+    #[track_caller]
+    fn on_all_samplers<P: Pdf, L>(
+        pdf: P,
+        one: impl Fn(P::Point) -> f64,
+        eight: impl Fn(L) -> [f64; LANES],
+    ) where
+        P::Point: Lanes<Lanes = L>,
+    {
+        agree(&pdf, &IndependentLanes::new(7), &one, &eight);
+        agree(&pdf, &Independent::new(7), &one, &eight);
+        agree(&pdf, &Sobol::new(3).unwrap(), &one, &eight);
+    }
+
+    #[test]
+    fn lanes_say_what_single_points_say() {
+        let each = |f: fn(f64) -> f64| move |x: [f64; LANES]| x.map(f);
+        for (a, b) in [(1.0, 4.0), (1.0, INF), (-INF, 4.0), (-INF, INF)] {
+            let f = |x: f64| exp(-x * x);
+            on_all_samplers(Interval::new(a, b).unwrap(), f, each(f));
+        }
+        for end in [2.0, INF] {
+            on_all_samplers(
+                Cuboid::new([0.0..1.0, -1.0..end, 0.0..3.0]).unwrap(),
+                |[x, y, z]| x * y - exp(-z * z),
+                |[x, y, z]: [[f64; LANES]; 3]| {
+                    core::array::from_fn(|l| x[l] * y[l] - exp(-z[l] * z[l]))
+                },
+            );
+        }
+        on_all_samplers(
+            UnitCube::<40>,
+            |x| x.iter().sum(),
+            |x: [[f64; LANES]; 40]| core::array::from_fn(|l| x.iter().map(|x| x[l]).sum()),
+        );
+        // No method of its own; points of more numbers than they take.
+        on_all_samplers(
+            (UniformSphere, Exponential::new(0.0, 2.0).unwrap()),
+            |([x, _, z], t)| x * x + z * t,
+            |([x, _, z], t): ([[f64; LANES]; 3], [f64; LANES])| {
+                core::array::from_fn(|l| x[l] * x[l] + z[l] * t[l])
+            },
+        );
+    }
+
+    #[test]
+    fn a_wrong_density_spoils_its_own_value_alone() {
+        /// No density below one half.
+        struct Upper;
+        impl Pdf for Upper {
+            type Unit = f64;
+            type Point = f64;
+            fn sample(&self, u: f64) -> Sample<f64> {
+                let density = self.density(&u);
+                Sample { point: u, density }
+            }
+            fn density(&self, x: &f64) -> f64 {
+                f64::from(*x >= 0.5)
+            }
+        }
+        let mut values = [0.0; 203];
+        let block = Block {
+            index: 0,
+            start: 0,
+            len: 203,
+        };
+        let mut points = Independent::new(1).stream(block);
+        ImportanceLanes::of(|x: f64| x, Upper).estimate_all(&mut points, &mut values);
+        let mut points = Independent::new(1).stream(block);
+        for value in values {
+            let u = points.next_1d();
+            assert!(if u < 0.5 { value.is_nan() } else { value == u });
+        }
+    }
+
+    /// Values of several components, and a message about a point.
+    #[test]
+    fn any_value_will_do() {
+        let f = |x: [f64; LANES]| x.map(|x| [x as f32, 2.0]);
+        let estimator = ImportanceLanes::new(f, Interval::new(0.0, 4.0).unwrap());
+        let block = Block {
+            index: 0,
+            start: 0,
+            len: 9,
+        };
+        let sampler = IndependentLanes::new(1);
+        let mut values = [[0.0; 2]; 9];
+        estimator.estimate_all(&mut sampler.stream(block), &mut values);
+        let mut points = sampler.stream(block);
+        for value in values {
+            points.next_point();
+            let x = 4.0 * points.clone().next_1d();
+            assert_eq!(value, [4.0 * f64::from(x as f32), 8.0]);
+            let location = Estimator::locate(&estimator, &mut points);
+            assert_eq!(location.point, Some(format!("{x:?}")));
+        }
     }
 }

@@ -9,7 +9,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use crate::support::sampler_laws::{assert_laws, check_laws, points};
 use crate::support::uniformity::{Each, Twin, interval, replication, square};
 use crate::support::{SEEDS, assert_plausible, assert_rejected, kolmogorov};
-use estimand::sampler::{Block, Iid, Independent, Randomize, Replay, Sampler};
+use estimand::sampler::{
+    Block, Iid, Independent, IndependentLanes, Randomize, Replay, Sampler, Xoshiro256PlusX8,
+};
 use rand::SeedableRng;
 use rand::rand_core::{Infallible, TryRng};
 use rand_pcg::{Lcg64Xsh32, Pcg64, Pcg64Mcg};
@@ -119,6 +121,19 @@ fn independent_over_pcg32() {
     iid(
         "Independent<Pcg32>",
         Independent::<Lcg64Xsh32>::with_generator,
+    );
+}
+
+#[test]
+fn independent_lanes() {
+    iid("IndependentLanes", IndependentLanes::new);
+}
+
+#[test]
+fn independent_over_the_eight_generators_in_turn() {
+    iid(
+        "Independent<Xoshiro256PlusX8>",
+        Independent::<Xoshiro256PlusX8>::with_generator,
     );
 }
 
