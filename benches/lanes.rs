@@ -124,7 +124,7 @@ fn rows() -> [(&'static str, Vec<(&'static str, Side)>); 2] {
                     ours(Importance::new(sum_5, UnitCube), Independent::new(7))
                 }),
                 ("lanes", || {
-                    let estimator = ImportanceLanes::new(|x| sum_5_lanes(x), UnitCube);
+                    let estimator = ImportanceLanes::new(sum_5_lanes, UnitCube);
                     ours(estimator, IndependentLanes::new(7))
                 }),
                 ("scalar closure on lanes", || {
@@ -147,7 +147,7 @@ fn rows() -> [(&'static str, Vec<(&'static str, Side)>); 2] {
                     ours(Importance::new(f, UnitCube), Independent::new(7))
                 }),
                 ("lanes", || {
-                    let estimator = ImportanceLanes::new(|x| gauss_5_lanes(x), UnitCube);
+                    let estimator = ImportanceLanes::new(gauss_5_lanes, UnitCube);
                     ours(estimator, IndependentLanes::new(7))
                 }),
                 ("scalar closure on lanes", || {
@@ -162,7 +162,7 @@ fn rows() -> [(&'static str, Vec<(&'static str, Side)>); 2] {
                 }),
                 ("lanes in a box", || {
                     Cuboid::new([(); 5].map(|()| 0.0..1.0)).map_or(f64::NAN, |domain| {
-                        let estimator = ImportanceLanes::new(|x| gauss_5_lanes(x), domain);
+                        let estimator = ImportanceLanes::new(gauss_5_lanes, domain);
                         ours(estimator, IndependentLanes::new(7))
                     })
                 }),
