@@ -161,10 +161,10 @@ impl core::error::Error for UnweightedError {}
 /// ```
 /// use estimand::estimator::largest_weight;
 ///
-/// let weights = [1.0, 2.0, -1.0, 6.0]; // |w| sums to 10
-/// assert_eq!(largest_weight(weights, 0.0)?, 6.0);
-/// assert_eq!(largest_weight(weights, 0.1)?, 5.0); // 6 exceeds it by 1
-/// assert_eq!(largest_weight(weights, 0.5)?, 1.5); // 6 by 4.5, 2 by 0.5
+/// let weights = [1.0, 2.0, -1.0, 8.0]; // |w| sums to 12
+/// assert_eq!(largest_weight(weights, 0.0)?, 8.0);
+/// assert_eq!(largest_weight(weights, 0.25)?, 5.0); // 8 exceeds it by 3
+/// assert_eq!(largest_weight(weights, 0.75)?, 0.75); // 8 by 7.25, 2 by 1.25, 1 by 0.25
 /// # Ok::<(), estimand::estimator::UnweightedError>(())
 /// ```
 pub fn largest_weight(
