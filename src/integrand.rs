@@ -4,6 +4,7 @@ use core::cell::Cell;
 
 use thread_local::ThreadLocal;
 
+use crate::lanes::{LANES, Lanes};
 use crate::value::Value;
 
 /// What to average: a function of a point of the domain.
@@ -33,6 +34,23 @@ pub trait Integrand<X> {
 
     /// f(x)
     fn evaluate(&self, x: X) -> Self::Value;
+
+    /// f at points side by side, whose numbers are in the columns `x`: what
+    /// [`ImportanceLanes`](crate::estimator::ImportanceLanes) asks for.
+    ///
+    /// Provided, one by one. One that does more of it at once says
+    /// `#[inline(always)]`, and gives the same values.
+    #[inline(always)]
+    fn evaluate_lanes(&self, x: &[[f64; LANES]]) -> [Self::Value; LANES]
+    where
+        X: Lanes,
+    {
+        let mut values = [self.evaluate(X::get(x, 0)); LANES];
+        for (l, value) in values.iter_mut().enumerate().skip(1) {
+            *value = self.evaluate(X::get(x, l));
+        }
+        values
+    }
 }
 
 impl<X, V: Value, F: Fn(X) -> V> Integrand<X> for F {
@@ -40,6 +58,46 @@ impl<X, V: Value, F: Fn(X) -> V> Integrand<X> for F {
     #[inline]
     fn evaluate(&self, x: X) -> V {
         self(x)
+    }
+}
+
+/// A function of [`LANES`] points side by side, coordinate by coordinate, that
+/// returns a value for each: in D dimensions `Fn([[f64; LANES]; D]) -> [V; LANES]`.
+///
+/// Each value depends on the point in its own lane alone.
+///
+/// # Example
+///
+/// ```
+/// use estimand::integrand::{Integrand, OnLanes};
+/// use estimand::lanes::LANES;
+///
+/// let f = OnLanes(|[x, y]: [[f64; LANES]; 2]| std::array::from_fn(|l| x[l] * y[l]));
+/// let value: f64 = f.evaluate([2.0, 3.0]);
+/// assert_eq!(value, 6.0);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OnLanes<F>(pub F);
+
+impl<X: Lanes, V: Value, F: Fn(X::Lanes) -> [V; LANES]> Integrand<X> for OnLanes<F> {
+    type Value = V;
+
+    /// With the same point in all lanes.
+    ///
+    /// # Panics
+    ///
+    /// If the point has more than 64 numbers.
+    fn evaluate(&self, x: X) -> V {
+        let mut columns = [[0.0; LANES]; 64];
+        for l in 0..LANES {
+            x.put(&mut columns, l);
+        }
+        self.0(X::side_by_side(&columns))[0]
+    }
+
+    #[inline(always)]
+    fn evaluate_lanes(&self, x: &[[f64; LANES]]) -> [V; LANES] {
+        self.0(X::side_by_side(x))
     }
 }
 

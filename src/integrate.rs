@@ -1,27 +1,126 @@
 //! The front door: a closure, a domain, and when to stop.
 
 use crate::estimate::Estimate;
-use crate::estimator::{Importance, TryImportance};
-use crate::integrator::{MonteCarlo, SampleError};
-use crate::pdf::Pdf;
+use crate::estimator::{Estimator, Importance, SliceImportance, TryImportance};
+use crate::integrator::{Automatic, AutomaticEstimate, MonteCarlo, SampleError};
+use crate::pdf::{Interval, Pdf};
 use crate::run::{Finished, RunError, Stop, run};
-use crate::sampler::Independent;
+use crate::sampler::{Independent, UnitPoint};
 use crate::value::Value;
 
 /// An estimate, and what ended its run, or what went wrong.
 pub type Outcome<V, E = core::convert::Infallible> =
     Result<Finished<Estimate<V>>, RunError<Estimate<V>, SampleError<V, E>>>;
 
-/// ∫ f over a domain, by f/p at independent points x ~ p.
+/// [`Outcome`] with the method that was chosen.
+pub type AutomaticOutcome<V> =
+    Result<Finished<AutomaticEstimate<V>>, RunError<AutomaticEstimate<V>, SampleError<V>>>;
+
+/// ∫ f over a domain, by the method that a pilot finds best: adaptive cubature, nets,
+/// as they are, through a learned map or on peaks that were searched for, VEGAS+, or
+/// plain Monte Carlo ([`Automatic`]).
 ///
-/// A domain is a [`Pdf`]; a range of the real line is the uniform density on
-/// it. The seed is 0 and the result reproducible, on all the threads that the
-/// feature `parallel` gives; for another seed, sampler, integrator or
-/// executor, put the parts together as [`MonteCarlo`] shows.
+/// A domain is a [`Pdf`]: a range, which may be infinite, an array or a tuple of
+/// pdfs, or a pdf that has something of the integrand already. The answer is an
+/// [`Estimate`], with the method, why it was chosen, and what the others promised
+/// beside it.
+///
+/// The seed is 0 and the result reproducible, on all the threads that the feature
+/// `parallel` gives. For another seed or executor, or to go on with the same run
+/// later, use [`Automatic`] itself; for the lectures' estimator and nothing else,
+/// [`monte_carlo`].
 ///
 /// What the closure returns decides the type of the answer: where it ends in
 /// bare literals, say which, as in `if inside { 1.0_f64 } else { 0.0 }` or
 /// `f64::from(inside)`.
+///
+/// # Errors
+///
+/// See [`RunError`]: a value that is NaN or infinite is refused, and so is a domain
+/// of no coordinates or of more than 1,000.
+///
+/// # Example
+///
+/// ```
+/// use estimand::integrator::Method;
+/// use estimand::prelude::*;
+///
+/// // The volume under a bell over the whole plane, and its height there.
+/// let plane = [Interval::new(f64::NEG_INFINITY, f64::INFINITY)?; 2];
+/// let bell = |[x, y]: [f64; 2]| (-x * x - y * y).exp();
+/// let found = integrate(|x| [bell(x), bell(x) * x[0] * x[0]], plane, &Stop::samples(100_000))?;
+/// let e = found.answer;
+/// assert!((e.mean[0] - core::f64::consts::PI).abs() < 1e-7);
+/// assert!((e.mean[1] - core::f64::consts::PI / 2.0).abs() < 1e-7);
+/// assert!(e.choice.as_ref().is_some_and(|c| c.method == Method::Cubature));
+///
+/// // To a tolerance, at most a budget.
+/// let stop = Stop {
+///     tolerance: Some(Tolerance::relative(1e-4)?),
+///     ..Stop::samples(10_000_000)
+/// };
+/// let found = integrate(|x: [f64; 6]| x.iter().product::<f64>().sqrt(), UnitCube, &stop)?;
+/// assert_eq!(found.reason, Reason::Tolerance);
+/// assert!((found.answer.mean - (2.0_f64 / 3.0).powi(6)).abs() < 5e-4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn integrate<P, V, F>(f: F, domain: P, stop: &Stop) -> AutomaticOutcome<V::Wide>
+where
+    P: Pdf + Sync,
+    V: Value,
+    F: Fn(P::Point) -> V + Sync,
+{
+    automatic(&Importance::new(f, domain), P::Unit::DIM, stop)
+}
+
+/// [`integrate`] where the dimension is known at run time only: f of a slice, over
+/// the product of `ranges`.
+///
+/// # Errors
+///
+/// As [`integrate`]: 1 to 1,000 ranges.
+///
+/// # Example
+///
+/// ```
+/// use estimand::integrate_dyn;
+/// use estimand::prelude::*;
+///
+/// let ranges: Vec<Interval> = (1..=5)
+///     .map(|k| Interval::new(0.0, f64::from(k)))
+///     .collect::<Result<_, _>>()?;
+/// let found = integrate_dyn(|x| x.iter().sum::<f64>().cos(), &ranges, &Stop::samples(50_000))?;
+/// // The real part of Π ∫₀ᵏ e^(ix) dx = Π 2 sin(k/2) e^(ik/2)
+/// let (product, angle) = (1..=5).map(f64::from).fold((1.0, 0.0), |(product, angle), k| {
+///     (product * 2.0 * (k / 2.0_f64).sin(), angle + k / 2.0)
+/// });
+/// let exact = product * f64::cos(angle);
+/// assert!((found.answer.mean - exact).abs() < 1e-4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn integrate_dyn<V, F>(f: F, ranges: &[Interval], stop: &Stop) -> AutomaticOutcome<V::Wide>
+where
+    V: Value,
+    F: Fn(&[f64]) -> V + Sync,
+{
+    automatic(&SliceImportance::new(f, ranges), ranges.len(), stop)
+}
+
+fn automatic<E, V>(estimator: &E, dimension: usize, stop: &Stop) -> AutomaticOutcome<V>
+where
+    E: Estimator<Value = V> + Sync,
+    V: Value<Wide = V>,
+{
+    let integrator = Automatic::new(estimator, dimension, 0);
+    let mut integrator = integrator.map_err(|_| RunError::Dimension(dimension))?;
+    run(&mut integrator, &EXECUTOR, stop)
+}
+
+/// ∫ f over a domain, by f/p at independent points x ~ p: the lectures' estimator.
+///
+/// The seed is 0 and the result reproducible, on all the threads that the
+/// feature `parallel` gives; for another seed, sampler, integrator or
+/// executor, put the parts together as [`MonteCarlo`] shows.
 ///
 /// # Errors
 ///
@@ -32,7 +131,7 @@ pub type Outcome<V, E = core::convert::Infallible> =
 /// ```
 /// use estimand::prelude::*;
 ///
-/// let area = integrate(
+/// let area = monte_carlo(
 ///     |[x, y]| f64::from(x * x + y * y < 1.0),
 ///     [Interval::new(-1.0, 1.0)?; 2],
 ///     &Stop::samples(100_000),
@@ -41,7 +140,7 @@ pub type Outcome<V, E = core::convert::Infallible> =
 /// assert!((estimate.mean - core::f64::consts::PI).abs() < 5.0 * estimate.standard_error);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn integrate<P, V, F>(f: F, domain: P, stop: &Stop) -> Outcome<V::Wide>
+pub fn monte_carlo<P, V, F>(f: F, domain: P, stop: &Stop) -> Outcome<V::Wide>
 where
     P: Pdf + Sync,
     V: Value,
@@ -52,8 +151,9 @@ where
     run(&mut integrator, &EXECUTOR, stop)
 }
 
-/// [`integrate`] for an integrand that may fail: its first error ends the run,
-/// and comes back together with the answer from the samples before it.
+/// [`monte_carlo`] for an integrand that may fail: its first error ends the run,
+/// and comes back together with the answer from the samples before it, which a pilot
+/// would not have.
 ///
 /// # Errors
 ///

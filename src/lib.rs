@@ -8,6 +8,7 @@ pub mod estimator;
 pub mod integrand;
 mod integrate;
 pub mod integrator;
+pub mod lanes;
 pub mod merge;
 pub mod pdf;
 pub mod prelude;
@@ -21,4 +22,6 @@ mod serial;
 pub mod value;
 pub mod verify;
 
-pub use integrate::{Outcome, integrate, try_integrate};
+pub use integrate::{
+    AutomaticOutcome, Outcome, integrate, integrate_dyn, monte_carlo, try_integrate,
+};

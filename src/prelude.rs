@@ -3,9 +3,9 @@
 pub use crate::estimate::{Estimate, Moments, Tolerance};
 pub use crate::estimator::{Estimator, FromFn, Importance, TryImportance, primary_estimates};
 pub use crate::integrand::{Integrand, with_scratch};
-pub use crate::integrate::{integrate, try_integrate};
+pub use crate::integrate::{integrate, integrate_dyn, monte_carlo, try_integrate};
 pub use crate::integrator::{
-    Cause, Integrator, MonteCarlo, NonFinite, RandomizedQmc, StratifiedMonteCarlo, Vegas,
+    Automatic, Cause, Integrator, MonteCarlo, NonFinite, RandomizedQmc, StratifiedMonteCarlo, Vegas,
 };
 pub use crate::pdf::{
     CosineHemisphere, Exponential, Interval, Invert, Linear, Normal, Pdf, Sample,

@@ -10,9 +10,10 @@ fn the_output_in_the_readme_is_that_of_its_program() {
     let strata = Stratified::new([50_000], 2, 7).unwrap();
     let mut integrator = StratifiedMonteCarlo::new(Importance::new(f, line), strata);
     let printed = format!(
-        "uniform      {}\nimportance   {}\nstratified   {}\n",
+        "one call     {}\nuniform      {}\nimportance   {}\nstratified   {}\n",
         integrate(f, line, &budget).unwrap(),
-        integrate(f, p, &budget).unwrap(),
+        monte_carlo(f, line, &budget).unwrap(),
+        monte_carlo(f, p, &budget).unwrap(),
         run(&mut integrator, &Serial, &budget).unwrap(),
     );
     assert!(include_str!("../README.md").contains(&printed), "{printed}");

@@ -306,7 +306,7 @@ fn a_density_that_is_not_positive_is_named() {
             1.0
         }
     }
-    let failing = integrate(|x| x, Wrong, &Stop::samples(1_000));
+    let failing = monte_carlo(|x| x, Wrong, &Stop::samples(1_000));
     let Err(RunError::Sample { error, .. }) = failing else {
         panic!("a negative density went through");
     };
@@ -400,8 +400,8 @@ fn scratch_is_made_once_a_thread() {
             scratch.iter().sum::<f64>()
         },
     );
-    let e = integrate(f, UnitCube::<2>, &Stop::samples(100_000)).unwrap();
-    let direct = integrate(|[x, y]| x + y, UnitCube::<2>, &Stop::samples(100_000)).unwrap();
+    let e = monte_carlo(f, UnitCube::<2>, &Stop::samples(100_000)).unwrap();
+    let direct = monte_carlo(|[x, y]| x + y, UnitCube::<2>, &Stop::samples(100_000)).unwrap();
     assert_eq!(bits(&e.answer), bits(&direct.answer));
     assert!((1..=64).contains(&made.load(Ordering::Relaxed)));
 }
@@ -421,8 +421,8 @@ fn scratch_stands_nested_parallelism() {
         },
     );
     let stop = Stop::samples(4_000);
-    let e = on_threads(4, || integrate(&f, UnitCube::<2>, &stop).unwrap().answer);
-    let direct = integrate(|[x, y]| x + y, UnitCube::<2>, &stop).unwrap();
+    let e = on_threads(4, || monte_carlo(&f, UnitCube::<2>, &stop).unwrap().answer);
+    let direct = monte_carlo(|[x, y]| x + y, UnitCube::<2>, &stop).unwrap();
     assert_eq!(bits(&e), bits(&direct.answer));
 }
 

@@ -7,6 +7,7 @@
 mod support;
 
 use std::cell::Cell;
+use std::time::Instant;
 
 use estimand::estimate::Tolerance;
 use estimand::integrator::{Learning, VegasError};
@@ -202,12 +203,9 @@ fn grids_are_taken_along() {
     let saved = AdaptiveGrid::from_edges(&axes).unwrap();
     assert_eq!(&saved, teacher.grid());
 
-    let frozen = Learning {
-        passes: 0,
-        ..Learning::default()
-    };
     let squared = move |x: [f64; 4]| f.at(x) * x[0];
     let estimator = Importance::new(squared, UnitCube::<4>);
+    let frozen = Learning::frozen();
     let mut pupil = Vegas::from_grid(estimator, saved.clone(), 2, frozen).unwrap();
     let e = estimate(&mut pupil, 10_000);
     assert_eq!(pupil.grid(), &saved);
@@ -237,6 +235,35 @@ fn grids_are_taken_along() {
         needed: 2,
     };
     assert_eq!(found, Err(error));
+}
+
+/// A grid that is to learn more is what the first lesson sees: as many cells as it
+/// has, however short the lesson, and an error to match.
+#[test]
+fn a_grid_that_goes_on_learning_begins_as_it_is() {
+    let f = named("lepage_4");
+    let estimator = Importance::new(move |x: [f64; 4]| f.at(x), UnitCube::<4>);
+    let sampler = Independent::new(9);
+    let known = (0..20_000).map(|i| {
+        let (index, start, len) = (i, i, 1);
+        let mut u = sampler.stream(Block { index, start, len });
+        u.next_point();
+        let x: [f64; 4] = core::array::from_fn(|_| u.next_1d());
+        (x, f.at(x))
+    });
+    let mut seeded = AdaptiveGrid::new(4, 200).unwrap();
+    seeded.seed(known, 5).unwrap();
+
+    let learning = Learning::default();
+    let mut pupil = Vegas::from_grid(estimator, seeded, 2, learning).unwrap();
+    let e = estimate(&mut pupil, 5_000);
+    assert!((e.mean - f.exact).abs() < 6.0 * e.standard_error);
+    let mut novice = Vegas::new(estimator, 4, 2).unwrap();
+    estimate(&mut novice, 5_000);
+    // 150 samples tell 10 cells apart; taken plainly they have the error 1.8.
+    let (with, without) = (pupil.passes()[0], novice.passes()[0]);
+    assert_eq!((with.cells, without.cells), (200, 10));
+    assert!(with.estimate.standard_error < 0.4, "{}", with.estimate);
 }
 
 /// Coordinates past those that are learned are read as they are, any number.
@@ -296,15 +323,45 @@ fn what_cannot_be_learned_from_is_said_or_survived() {
     let e = estimate(&mut again.on_non_finite(NonFinite::SetAside), 100_000);
     assert!((e.mean - 1.0).abs() < 1e-9 && e.moments.non_finite() > 0);
     // Settings.
-    let learning = Learning {
-        share: 1.0,
-        ..Learning::default()
+    let refused = |learning| {
+        let grid = AdaptiveGrid::new(2, 1).unwrap();
+        let estimator = Importance::new(|[x, _]: [f64; 2]| x, UnitCube::<2>);
+        Vegas::from_grid(estimator, grid, 1, learning).map(|_| ())
     };
-    let grid = AdaptiveGrid::new(2, 1).unwrap();
-    let estimator = Importance::new(|[x, _]: [f64; 2]| x, UnitCube::<2>);
-    let refused = Vegas::from_grid(estimator, grid, 1, learning).map(|_| ());
-    assert_eq!(refused, Err(VegasError::Share(1.0)));
+    let settings = Learning::default();
+    let (share, alpha) = (1.0, -0.1);
+    let grid = VegasError::Grid(AdaptiveGridError::Step(-0.1));
+    assert_eq!(refused(Learning { alpha, ..settings }), Err(grid));
+    assert_eq!(
+        refused(Learning { share, ..settings }),
+        Err(VegasError::Share(1.0))
+    );
     assert!(Vegas::new(Importance::new(|x: f64| x, Interval::unit()), 0, 1).is_err());
+}
+
+/// Ten times the evaluations, or ten times the dimensions, take ten times as long:
+/// quadratic would be a hundred. The shortest of three, since others work as well.
+#[test]
+fn time_is_linear_in_evaluations_and_dimensions() {
+    fn time<const D: usize>(evaluations: u64) -> f64 {
+        let estimator = Importance::new(|x: [f64; D]| x.iter().sum::<f64>(), UnitCube::<D>);
+        let once = |seed| {
+            let mut vegas = Vegas::new(estimator, D, seed).unwrap();
+            let start = Instant::now();
+            let e = estimate(&mut vegas, evaluations);
+            assert!((e.mean - D as f64 / 2.0).abs() < 6.0 * e.standard_error);
+            assert!(e.samples() > evaluations / 2 && vegas.spent() <= evaluations);
+            start.elapsed().as_secs_f64()
+        };
+        (1..=3).map(once).fold(f64::INFINITY, f64::min)
+    }
+    let base = time::<10>(40_000);
+    for (what, longer) in [
+        ("evaluations", time::<10>(400_000)),
+        ("dimensions", time::<100>(40_000)),
+    ] {
+        assert!(longer < 30.0 * base, "{what}: {longer} s, {base} s");
+    }
 }
 
 /// Each stratum has the points it was given, uniform inside it.

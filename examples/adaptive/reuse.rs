@@ -11,14 +11,6 @@ use estimand::sampler::Block;
 use crate::{Outcome, agrees, exact, peaks};
 
 const SAMPLES: u64 = 20_000;
-/// A grid that is used as it is.
-const FROZEN: Learning = Learning {
-    alpha: 0.5,
-    beta: 0.5,
-    cells: 1000,
-    passes: 0,
-    share: 0.0,
-};
 
 /// All three, each beside what it would be without.
 pub fn table(grid: &AdaptiveGrid) -> Outcome<()> {
@@ -47,7 +39,7 @@ fn frozen(
     estimator: impl Estimator<Value = f64> + Sync,
     grid: AdaptiveGrid,
 ) -> Outcome<Estimate<f64>> {
-    let mut vegas = Vegas::from_grid(estimator, grid, 2, FROZEN)?;
+    let mut vegas = Vegas::from_grid(estimator, grid, 2, Learning::frozen())?;
     Ok(run(&mut vegas, &Serial, &Stop::samples(SAMPLES))?.answer)
 }
 

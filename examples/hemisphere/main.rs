@@ -172,7 +172,7 @@ fn one_sun() -> Result<(), Box<dyn Error>> {
     let rows = [
         (
             "uniform, p = 1/2π",
-            integrate(sky.seen(), UniformHemisphere, &stop)?.answer,
+            monte_carlo(sky.seen(), UniformHemisphere, &stop)?.answer,
         ),
         (
             "uniform, 256 × 256 strata",
@@ -180,7 +180,7 @@ fn one_sun() -> Result<(), Box<dyn Error>> {
         ),
         (
             "cosine-weighted, p = cos θ/π",
-            integrate(sky.seen(), CosineHemisphere, &stop)?.answer,
+            monte_carlo(sky.seen(), CosineHemisphere, &stop)?.answer,
         ),
         (
             "cosine-weighted, 256 × 256 strata",

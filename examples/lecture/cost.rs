@@ -47,7 +47,7 @@ fn row<const K: usize>() -> Result<(), Box<dyn Error>> {
         }
         Err(other) => return Err(other.into()),
     };
-    let random = integrate(f, UnitCube::<K>, &Stop::samples(100_000))?.answer;
+    let random = monte_carlo(f, UnitCube::<K>, &Stop::samples(100_000))?.answer;
     let off = random.mean - EXACT;
     assert!(off.abs() <= 5.0 * random.standard_error);
     println!(

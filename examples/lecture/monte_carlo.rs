@@ -62,8 +62,8 @@ fn two_points() -> Result<(), Box<dyn Error>> {
 fn uniform_and_importance() -> Result<(), Box<dyn Error>> {
     let square = |x: f64| x * x;
     let stop = Stop::samples(10_000);
-    let uniform = integrate(square, Interval::new(0.0, 2.0)?, &stop)?.answer;
-    let rising = integrate(square, Linear::new(0.0, 2.0, 0.0, 1.0)?, &stop)?.answer;
+    let uniform = monte_carlo(square, Interval::new(0.0, 2.0)?, &stop)?.answer;
+    let rising = monte_carlo(square, Linear::new(0.0, 2.0, 0.0, 1.0)?, &stop)?.answer;
     random(
         "A6",
         "∫₀² x² dx, uniform",
@@ -80,7 +80,7 @@ fn uniform_and_importance() -> Result<(), Box<dyn Error>> {
     );
     assert!(rising.standard_error < 0.5 * uniform.standard_error);
     // f ∝ p: every primary estimate is the integral.
-    let exact = integrate(|x| x, Linear::new(0.0, 2.0, 0.0, 1.0)?, &stop)?.answer;
+    let exact = monte_carlo(|x| x, Linear::new(0.0, 2.0, 0.0, 1.0)?, &stop)?.answer;
     assert!(exact.standard_error < ROUNDING);
     given(
         "A6",
@@ -97,7 +97,7 @@ fn uniform_and_importance() -> Result<(), Box<dyn Error>> {
 fn hidden_disk() -> Result<(), Box<dyn Error>> {
     let hit = |[x, y]: [f64; 2]| f64::from((x - 1.5).hypot(y - 2.5) < 1.5);
     let rectangle = [Interval::new(0.0, 3.0)?, Interval::new(0.0, 5.0)?];
-    let area = integrate(hit, rectangle, &Stop::samples(1_000_000))?.answer;
+    let area = monte_carlo(hit, rectangle, &Stop::samples(1_000_000))?.answer;
     let exact = PI * 1.5 * 1.5;
     random(
         "A7",
@@ -197,9 +197,9 @@ fn good_and_bad_p() -> Result<(), Box<dyn Error>> {
         )?)
     };
     let stop = Stop::samples(10_000);
-    let uniform = integrate(peak, Interval::new(1.0, 4.0)?, &stop)?.answer;
-    let good = integrate(peak, around(2.0, 0.06)?, &stop)?.answer;
-    let bad = integrate(peak, around(3.0, 0.5)?, &stop)?.answer;
+    let uniform = monte_carlo(peak, Interval::new(1.0, 4.0)?, &stop)?.answer;
+    let good = monte_carlo(peak, around(2.0, 0.06)?, &stop)?.answer;
+    let bad = monte_carlo(peak, around(3.0, 0.5)?, &stop)?.answer;
     random("B1", "peak at 2, uniform p", Slide::Silent, &uniform, exact);
     random(
         "B1",

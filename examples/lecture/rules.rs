@@ -94,7 +94,7 @@ fn ripple() -> Result<(), Box<dyn Error>> {
             exact,
             fixed.evaluations,
         );
-        let chance = integrate(f, Interval::new(1.0, 4.0)?, &Stop::samples(100_000))?.answer;
+        let chance = monte_carlo(f, Interval::new(1.0, 4.0)?, &Stop::samples(100_000))?.answer;
         random(
             "A3",
             "  the same at random points",
@@ -133,7 +133,7 @@ fn sun() -> Result<(), Box<dyn Error>> {
     );
 
     let f = |w: [f64; 3]| radiance(w) * w[2];
-    let chance = integrate(f, CosineHemisphere, &Stop::samples(1_000_000))?.answer;
+    let chance = monte_carlo(f, CosineHemisphere, &Stop::samples(1_000_000))?.answer;
     random(
         "A4",
         "  random directions: sky and sun",

@@ -6,12 +6,21 @@ use super::{Estimate, Ratio};
 use crate::value::Value;
 
 impl<V: Value> fmt::Display for Estimate<V> {
-    /// One number with its error, or `[…, …]` by component; filled to a width
-    /// if one is given. The digits follow from the error, whatever precision is
-    /// asked for.
+    /// One number with its error, or `[…, …]` by component, and what speaks against
+    /// it, if anything does. The digits follow from the error, whatever precision is
+    /// asked for. If a width is given, it is filled, and of doubts there is room for
+    /// a mark: `13.50(12)?`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (mean, error) = (self.mean.components(), self.standard_error.components());
-        filled(f, &with_errors(mean.as_ref(), error.as_ref()))
+        let mut text = with_errors(mean.as_ref(), error.as_ref());
+        let diagnosis = self.diagnosis();
+        if !diagnosis.is_trusted() {
+            text += &match f.width() {
+                Some(_) => "?".into(),
+                None => format!(", {diagnosis}"),
+            };
+        }
+        filled(f, &text)
     }
 }
 

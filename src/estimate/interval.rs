@@ -32,6 +32,16 @@ impl fmt::Display for LevelError {
 
 impl core::error::Error for LevelError {}
 
+impl LevelError {
+    pub(super) fn check(level: f64) -> Result<(), Self> {
+        if level > 0.0 && level < 1.0 {
+            Ok(())
+        } else {
+            Err(Self::Level(level))
+        }
+    }
+}
+
 impl<V: Value> Estimate<V> {
     /// Student's t interval, each component at `level` by itself.
     ///
@@ -59,9 +69,7 @@ impl<V: Value> Estimate<V> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn interval(&self, level: f64) -> Result<ConfidenceInterval<V>, LevelError> {
-        if !(level > 0.0 && level < 1.0) {
-            return Err(LevelError::Level(level));
-        }
+        LevelError::check(level)?;
         // The tail keeps the digits of levels close to 1.
         let t = student_quantile(self.degrees_of_freedom, 0.5 * (1.0 - level));
         let mean = self.mean.components();
@@ -70,11 +78,16 @@ impl<V: Value> Estimate<V> {
             let mut end = mean;
             for (x, s) in end.as_mut().iter_mut().zip(error.as_ref()) {
                 // A zero error stays zero, even where t is infinite.
-                *x += if *s == 0.0 && t.is_infinite() {
-                    side * t
+                let radius = if *s == 0.0 && t.is_infinite() {
+                    t
                 } else {
-                    side * t * s
+                    t * s
                 };
+                *x += side * radius;
+                // ∞ − ∞, of a mean that overflows, bounds nothing.
+                if x.is_nan() {
+                    *x = side * f64::INFINITY;
+                }
             }
             V::wide(end)
         };

@@ -1,29 +1,48 @@
 //! The answer: a mean with an error bar, and what stands behind it.
 
+mod bounds;
+mod diagnosis;
 mod display;
+mod evidence;
+mod grubbs;
+mod histogram;
+mod histogram_error;
 mod interval;
 mod merged;
 mod moments;
+mod pareto;
+mod placed;
 mod ratio;
+mod sequence;
+mod skewed;
 mod student;
 mod sum;
 mod sums;
+mod tail;
 mod tolerance;
 
+pub use bounds::{Bounds, BoundsError};
+pub use diagnosis::{Diagnosis, Doubt, Symptom};
 pub(crate) use display::with_errors;
+pub use evidence::Evidence;
+pub(crate) use grubbs::outlier;
+pub use histogram::Histogram;
+pub use histogram_error::HistogramError;
 pub use interval::{ConfidenceInterval, LevelError};
 pub use merged::{Consistency, MergeError};
 pub use moments::Moments;
 pub use ratio::{Ratio, RatioError};
+pub use sequence::ConfidenceSequence;
+pub use tail::Tail;
 pub use tolerance::{Measure, Tolerance, ToleranceError};
 
 use crate::value::{Components, Value};
 
 /// The mean of primary estimates, with its error bar.
 ///
-/// `mean` ± `standard_error`, by component; the other fields say how far to
-/// trust it. Prints as `13.4998(12)`: the digits in parentheses are the
-/// standard error in units of the last digits.
+/// `mean` ± `standard_error`, by component; [`diagnosis`](Self::diagnosis) says
+/// whether to trust it. Prints as `13.4998(12)`: the digits in parentheses are the
+/// standard error in units of the last digits. Doubts are printed as well.
 ///
 /// # Example
 ///
@@ -34,7 +53,8 @@ use crate::value::{Components, Value};
 /// let estimate = Estimate::independent(&primary).ok_or("no sample")?;
 /// assert_eq!(estimate.mean, 14.25);
 /// assert_eq!(estimate.standard_error, 2.25);
-/// assert_eq!(estimate.to_string(), "14.2(2.2)");
+/// assert!(estimate.to_string().starts_with("14.2(2.2), doubtful: 2 samples"));
+/// assert_eq!(format!("{estimate:>12}"), "  14.2(2.2)?");
 /// # Ok::<(), &str>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,6 +84,8 @@ pub struct Estimate<V: Value> {
     /// Of the primary estimates, all pooled: how many there were, how they are
     /// spread, the largest, how many were not finite.
     pub moments: Moments<V>,
+    /// What else is known: the tail, and whether parts of the run agree.
+    pub evidence: Evidence<V>,
 }
 
 /// What an error bar was taken from.
@@ -80,6 +102,10 @@ pub enum ErrorSource {
     NeighbouringStrata,
     /// The spread of the means of independent randomisations of the points.
     Replicates,
+    /// Rules of different degrees at the same nodes, as
+    /// [`Adaptive`](crate::quadrature::Adaptive) compares them: an estimate of the
+    /// error, as a rule far too large, of a mean that is not random.
+    Quadrature,
     /// A sum of independent estimates with error bars of their own.
     Sum,
 }
@@ -131,7 +157,13 @@ impl<V: Value> Estimate<V> {
             degrees_of_freedom: degrees_of_freedom.max(0.0),
             error_source,
             moments: *moments,
+            evidence: Evidence::default(),
         })
+    }
+
+    /// The same with what else is known.
+    pub(crate) fn with_evidence(self, evidence: Evidence<V>) -> Self {
+        Self { evidence, ..self }
     }
 
     /// One component by itself; `None` if there is none of this number.
@@ -145,6 +177,7 @@ impl<V: Value> Estimate<V> {
             degrees_of_freedom: self.degrees_of_freedom,
             error_source: self.error_source,
             moments: self.moments.component(k),
+            evidence: self.evidence.component(k),
         })
     }
 

@@ -35,22 +35,22 @@ use crate::value::{Components, Value};
     serde(bound = "")
 )]
 pub struct Moments<V: Value> {
-    count: u64,
-    non_finite: u64,
+    pub(super) count: u64,
+    pub(super) non_finite: u64,
     #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
-    mean: V::Components,
+    pub(super) mean: V::Components,
     /// Lower triangle of Σ (x − x̄)(x − x̄)ᵀ.
     #[cfg_attr(
         feature = "serde",
         serde(with = "crate::serial::Matrix::<V::Components>")
     )]
-    second: <V::Components as Components>::Matrix,
+    pub(super) second: <V::Components as Components>::Matrix,
     #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
-    third: V::Components,
+    pub(super) third: V::Components,
     #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
-    fourth: V::Components,
+    pub(super) fourth: V::Components,
     #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
-    largest: V::Components,
+    pub(super) largest: V::Components,
 }
 
 impl<V: Value> Default for Moments<V> {
@@ -276,6 +276,18 @@ impl<V: Value> Moments<V> {
             let size = n / (1.0 + spread * spread);
             if size.is_nan() { 0.0 } else { size }
         })
+    }
+
+    /// Σ (x − x̄)² of the first component.
+    pub(super) fn sum_of_squares(&self) -> f64 {
+        self.second.as_ref()[0].as_ref()[0]
+    }
+
+    /// Whether the largest magnitude of a component does so.
+    #[inline]
+    pub(super) fn largest_exceeds(&self, floor: &V::Components) -> bool {
+        let largest = self.largest.as_ref().iter().zip(floor.as_ref());
+        largest.fold(false, |any, (largest, floor)| any | (largest > floor))
     }
 
     /// max |x|: the largest weight f/p.

@@ -32,7 +32,8 @@ use crate::value::{Components, Value};
 ///
 /// A run that ends as soon as its error bar is small enough ends a little too
 /// often when the bar happens to be too small: its intervals cover less than
-/// they say, the more so the fewer samples they take.
+/// they say, the more so the fewer samples they take. Where bounds of f/p are known,
+/// [`BoundedMonteCarlo`](crate::integrator::BoundedMonteCarlo) allows for that.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
     absolute: f64,
@@ -96,6 +97,13 @@ fn positive(t: f64) -> bool {
 }
 
 impl Tolerance {
+    /// All components by the same share of themselves, however large.
+    pub(crate) const EVEN: Self = Self {
+        absolute: 0.0,
+        relative: 1.0,
+        measure: Measure::Each,
+    };
+
     /// error ≤ `tolerance`
     ///
     /// # Errors

@@ -50,10 +50,19 @@ impl<P: Pdf<Point: Clone>, F: Integrand<P::Point>> Importance<F, P> {
         });
         (0..count).map(move |_| {
             points.next_point();
-            let Sample { point, density } = self.pdf.sample(P::Unit::read(&mut points));
-            let weight = weigh(self.integrand.evaluate(point.clone()), density);
-            Event { point, weight }
+            self.event(&mut points)
         })
+    }
+
+    /// The event at the point whose coordinates are read from `u`.
+    #[inline]
+    pub(crate) fn event<C: Coordinates>(
+        &self,
+        u: &mut C,
+    ) -> Event<P::Point, <F::Value as Value>::Wide> {
+        let Sample { point, density } = self.pdf.sample(P::Unit::read(u));
+        let weight = weigh(self.integrand.evaluate(point.clone()), density);
+        Event { point, weight }
     }
 }
 
@@ -65,8 +74,9 @@ impl<P: Pdf<Point: Clone>, F: Integrand<P::Point>> Importance<F, P> {
 ///
 /// So they are distributed as |f|, and w_max times the sum of their weights, over
 /// the number of events tried, is ∫ f. Weights beyond `w_max` are not cut off but
-/// kept, larger than 1; where they are rare, w_max may be less than the largest
-/// weight, to the benefit of [`efficiency`](Self::efficiency).
+/// kept, larger than 1, and counted; where they are rare, w_max may be less than the
+/// largest weight, to the benefit of [`efficiency`](Self::efficiency).
+/// [`largest_weight`] finds it from a first sample.
 ///
 /// # Example
 ///
@@ -103,6 +113,12 @@ pub struct Unweighted<I> {
 pub enum UnweightedError {
     /// w_max is not positive and finite.
     Most(f64),
+    /// The share of overweight does not lie in [0, 1).
+    Overweight(f64),
+    /// A weight of the first sample is NaN or infinite.
+    Weight(f64),
+    /// No weight of the first sample differs from 0, or there is none.
+    NoWeight,
 }
 
 impl fmt::Display for UnweightedError {
@@ -112,11 +128,75 @@ impl fmt::Display for UnweightedError {
                 f,
                 "the largest weight must be positive and finite, not {most}"
             ),
+            Self::Overweight(share) => {
+                write!(f, "the share of overweight is {share}, not in [0, 1)")
+            }
+            Self::Weight(weight) => write!(f, "a weight of the first sample is {weight}"),
+            Self::NoWeight => write!(f, "no weight of the first sample differs from 0"),
         }
     }
 }
 
 impl core::error::Error for UnweightedError {}
+
+/// w_max for [`Unweighted`], from the weights of a first sample: such that those
+/// beyond it exceed it by the part `overweight` of all weight.
+///
+/// ```text
+/// Σ max(0, |w| − w_max) = overweight · Σ |w|
+/// ```
+///
+/// That part of ∫ |f| is what events of weight above 1 will carry on top of the 1
+/// that others have, or a little more: a sample has not seen the largest weight
+/// there is. With 0 it is the largest weight that was seen. The rest of the work is
+/// [`efficiency`](Unweighted::efficiency), mean |w|/w_max, which a few rare large
+/// weights may ruin.
+///
+/// # Errors
+///
+/// 0 ≤ `overweight` < 1; weights are finite, and not all 0.
+///
+/// # Example
+///
+/// ```
+/// use estimand::estimator::largest_weight;
+///
+/// let weights = [1.0, 2.0, -1.0, 6.0]; // |w| sums to 10
+/// assert_eq!(largest_weight(weights, 0.0)?, 6.0);
+/// assert_eq!(largest_weight(weights, 0.1)?, 5.0); // 6 exceeds it by 1
+/// assert_eq!(largest_weight(weights, 0.5)?, 1.5); // 6 by 4.5, 2 by 0.5
+/// # Ok::<(), estimand::estimator::UnweightedError>(())
+/// ```
+pub fn largest_weight(
+    weights: impl IntoIterator<Item = f64>,
+    overweight: f64,
+) -> Result<f64, UnweightedError> {
+    if !(0.0..1.0).contains(&overweight) {
+        return Err(UnweightedError::Overweight(overweight));
+    }
+    let mut sizes = Vec::new();
+    for weight in weights {
+        if !weight.is_finite() {
+            return Err(UnweightedError::Weight(weight));
+        }
+        sizes.push(weight.abs());
+    }
+    sizes.sort_by(|a, b| b.total_cmp(a));
+    let Some(&largest) = sizes.first().filter(|&&size| size > 0.0) else {
+        return Err(UnweightedError::NoWeight);
+    };
+    // Relative to the largest, so that no sum overflows.
+    let spare = overweight * sizes.iter().map(|w| w / largest).sum::<f64>();
+    let (mut sum, mut most) = (0.0, 1.0);
+    for (k, size) in sizes.iter().enumerate() {
+        if size / largest < most {
+            break;
+        }
+        sum += size / largest;
+        most = (sum - spare) / (k as f64 + 1.0);
+    }
+    Ok(most * largest)
+}
 
 impl<X, I: Iterator<Item = Event<X, f64>>> Unweighted<I> {
     /// Chooses among `events`, w_max being `most`, by what belongs to `seed`:
@@ -239,6 +319,31 @@ mod tests {
         let sum: f64 = events.by_ref().map(|e| e.weight).sum();
         assert!((events.efficiency() - 0.3).abs() < 6.0 * 0.00145);
         assert!((sum / 1e5 - 0.3).abs() < 6.0 * 0.00145);
+    }
+
+    /// By bisection of what it is defined by.
+    #[test]
+    fn overweight_is_what_was_asked() {
+        let weights: Vec<f64> = (0..1000)
+            .map(|i| f64::from(i * 7919 % 1000).sqrt() - 9.0)
+            .collect();
+        let all: f64 = weights.iter().map(|w| w.abs()).sum();
+        for share in [0.0, 1e-9, 1e-3, 0.1, 0.5, 0.99] {
+            let most = largest_weight(weights.iter().copied(), share).unwrap();
+            let over: f64 = weights.iter().map(|w| (w.abs() - most).max(0.0)).sum();
+            assert!((over / all - share).abs() < 1e-12, "{share}: {most}");
+        }
+        let same = largest_weight([1e308; 4], 0.25).unwrap();
+        assert!((same / 1e308 - 0.75).abs() < 1e-15);
+        let refused = |weights: &[f64], share| largest_weight(weights.to_vec(), share).unwrap_err();
+        assert_eq!(refused(&[], 0.0), UnweightedError::NoWeight);
+        assert_eq!(refused(&[0.0, -0.0], 0.0), UnweightedError::NoWeight);
+        assert_eq!(refused(&[1.0], 1.0), UnweightedError::Overweight(1.0));
+        assert!(matches!(refused(&[f64::NAN], 0.0), UnweightedError::Weight(w) if w.is_nan()));
+        assert!(matches!(
+            refused(&[1.0], f64::NAN),
+            UnweightedError::Overweight(_)
+        ));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use core::borrow::Borrow;
 
 use super::{Location, TryEstimator};
-use crate::pdf::{AdaptiveGrid, GridNode};
+use crate::pdf::{AdaptiveGrid, GridNode, warp};
 use crate::sampler::Coordinates;
 use crate::value::Value;
 
@@ -78,8 +78,11 @@ pub(crate) fn through<E: TryEstimator>(
     see: impl FnMut(usize, GridNode),
 ) -> Result<<E::Value as Value>::Wide, E::Error> {
     let mut warped = Warped::new(grid, u, see);
-    let value = estimator.try_estimate(&mut warped)?;
-    Ok(value.over(1.0 / warped.volume))
+    let mut primary = estimator.try_estimate(&mut warped)?.components();
+    for component in primary.as_mut() {
+        *component *= warped.volume;
+    }
+    Ok(E::Value::wide(primary))
 }
 
 /// The coordinates of a point, each seen through its axis of a grid.
@@ -88,7 +91,8 @@ struct Warped<'a, C, F> {
     points: &'a mut C,
     see: F,
     axis: usize,
-    dimension: usize,
+    /// The edges of this axis and of those after it.
+    edges: &'a [f64],
     /// 1/p of the coordinates read so far.
     volume: f64,
 }
@@ -101,7 +105,7 @@ impl<'a, C, F> Warped<'a, C, F> {
             points,
             see,
             axis: 0,
-            dimension: grid.dimension(),
+            edges: grid.all_edges(),
             volume: 1.0,
         }
     }
@@ -110,18 +114,19 @@ impl<'a, C, F> Warped<'a, C, F> {
 impl<C: Coordinates, F: FnMut(usize, GridNode)> Coordinates for Warped<'_, C, F> {
     fn next_point(&mut self) {
         self.points.next_point();
-        (self.axis, self.volume) = (0, 1.0);
+        (self.axis, self.edges, self.volume) = (0, self.grid.all_edges(), 1.0);
     }
 
     #[inline]
     fn next_1d(&mut self) -> f64 {
         let u = self.points.next_1d();
-        if self.axis >= self.dimension {
+        let Some((edges, rest)) = self.edges.split_at_checked(self.grid.cells() + 1) else {
             return u;
-        }
-        let node = self.grid.warp(self.axis, u);
+        };
+        let node = warp(edges, u);
         (self.see)(self.axis, node);
         self.axis += 1;
+        self.edges = rest;
         self.volume *= node.width;
         node.x
     }

@@ -10,28 +10,32 @@ mod fixed_coefficients;
 mod from_fn;
 mod heuristic;
 mod importance;
+mod importance_lanes;
 mod mapped;
 mod multi_sample;
 mod multiple_importance;
 mod one_sample;
 mod primary;
+mod slice;
 
 pub use antithetic::Antithetic;
 pub use control_variates::ControlVariates;
 pub use controlled::{Controlled, ControlsError};
 pub use density_controls::DensityControls;
-pub use events::{Event, Unweighted, UnweightedError};
+pub use events::{Event, Unweighted, UnweightedError, largest_weight};
 pub use fixed_coefficients::FixedCoefficients;
 pub use from_fn::FromFn;
 pub use heuristic::{Exponent, ExponentError, Heuristic};
-use importance::weigh;
 pub use importance::{Importance, TryImportance};
+use importance::{locate, weigh};
+pub use importance_lanes::ImportanceLanes;
 pub use mapped::Mapped;
 pub(crate) use mapped::through;
 pub use multi_sample::{MultiSample, MultiSampleError};
 pub use multiple_importance::{Combination, Draw, MultipleImportance};
 pub use one_sample::{OneSample, OneSampleError};
 pub use primary::primary_estimates;
+pub(crate) use slice::SliceImportance;
 
 use core::convert::Infallible;
 

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::estimate::Estimate;
+use crate::estimate::{Diagnosis, Estimate, Symptom};
 use crate::value::{Components, Value};
 
 /// An estimate with control variates, and what stands behind it. Prints as the
@@ -40,6 +40,16 @@ impl<V: Value, const K: usize> ControlledEstimate<V, K> {
             *r = if found.is_nan() { 1.0 } else { found };
         }
         V::wide(ratio)
+    }
+
+    /// What speaks against the answer: what does so
+    /// [in general](Estimate::diagnosis), of the values before they were corrected,
+    /// and expectations that do not agree with the samples.
+    #[must_use]
+    pub fn diagnosis(&self) -> Diagnosis {
+        let off = self.off.iter().enumerate();
+        let wrong = off.filter_map(|(control, errors)| Symptom::expectation(control, *errors));
+        self.estimate.diagnosis().and(wrong)
     }
 }
 

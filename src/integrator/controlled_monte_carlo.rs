@@ -7,7 +7,7 @@ use super::regression::{CONSTANT, Fit, Matrix, Products};
 use super::sample_block::sample_block;
 use super::sample_error::Failure;
 use super::{ControlledEstimate, Integrator, NonFinite, SampleError};
-use crate::estimate::{ErrorSource, Estimate, Moments, Tolerance, scaled};
+use crate::estimate::{ErrorSource, Estimate, Evidence, Moments, Tail, Tolerance, scaled};
 use crate::estimator::{Controlled, ControlsError, TryEstimator};
 use crate::merge::Merge;
 use crate::sampler::{Iid, Independent};
@@ -65,6 +65,7 @@ pub struct ControlledMonteCarlo<E, V: Value, const K: usize, S = Independent> {
     fixed: Option<[V::Wide; K]>,
     non_finite: NonFinite,
     moments: Moments<Controlled<V, K>>,
+    tail: Tail<Controlled<V, K>>,
     folds: Folds<V, K>,
     /// The number of the next block and the next sample.
     next: (u64, u64),
@@ -85,6 +86,7 @@ type Folds<V, const K: usize> = [Products<V, K>; FOLDS];
 )]
 pub struct ControlledPartial<V: Value, const K: usize, E> {
     moments: Moments<Controlled<V, K>>,
+    tail: Tail<Controlled<V, K>>,
     folds: Folds<V, K>,
     failure: Option<Failure<Controlled<V, K>, E>>,
 }
@@ -92,6 +94,7 @@ pub struct ControlledPartial<V: Value, const K: usize, E> {
 impl<V: Value, const K: usize, E> Merge for ControlledPartial<V, K, E> {
     fn merge(&mut self, right: Self) {
         self.moments.merge(right.moments);
+        self.tail.merge(right.tail);
         self.folds
             .iter_mut()
             .zip(right.folds)
@@ -121,6 +124,7 @@ where
             fixed: None,
             non_finite: NonFinite::Refuse,
             moments: Moments::new(),
+            tail: Tail::new(),
             folds: [const { Products::new() }; FOLDS],
             next: (0, 0),
             plan: Plan::default(),
@@ -217,6 +221,7 @@ where
 
     fn block(&self, index: u64) -> ControlFlow<Self::Partial, Self::Partial> {
         let mut moments = Moments::new();
+        let mut tail = self.tail.continued();
         let mut folds = [const { Products::new() }; FOLDS];
         let block = self.plan.block(index);
         let mut sample = block.start;
@@ -226,7 +231,8 @@ where
             block,
             self.non_finite,
             &mut moments,
-            |slice| {
+            |moments, slice| {
+                tail.push_last_of(moments, slice);
                 for primary in slice {
                     folds[(sample % FOLDS as u64) as usize].push(primary);
                     sample += 1;
@@ -237,6 +243,7 @@ where
         let ended = failure.is_some();
         let partial = ControlledPartial {
             moments,
+            tail,
             folds,
             failure,
         };
@@ -250,6 +257,8 @@ where
     fn absorb(&mut self, pass: Self::Partial, blocks: u64) -> Result<(), Self::Error> {
         self.next = self.plan.after(blocks);
         self.moments.merge(pass.moments);
+        self.tail.merge(pass.tail);
+        self.tail.settle();
         self.folds
             .iter_mut()
             .zip(pass.folds)
@@ -315,9 +324,10 @@ where
                 / error.max(CONSTANT * all.controls[k].abs());
             if z.is_nan() { 0.0 } else { z }
         });
+        let evidence = Evidence::of(&self.tail, &self.moments).retyped::<V>();
         Some(ControlledEstimate {
-            estimate,
-            plain: Estimate::independent(&moments)?,
+            estimate: estimate.with_evidence(evidence),
+            plain: Estimate::independent(&moments)?.with_evidence(evidence),
             coefficients: self.fixed.unwrap_or_else(|| coefficients.map(V::wide)),
             dropped,
             off,
@@ -332,14 +342,20 @@ where
     E: TryEstimator<Value = Controlled<V, K>>,
     S: Iid + core::fmt::Debug,
 {
-    type State = (Moments<Controlled<V, K>>, Folds<V, K>, (u64, u64), Plan);
+    type State = (
+        Moments<Controlled<V, K>>,
+        Tail<Controlled<V, K>>,
+        Folds<V, K>,
+        (u64, u64),
+        Plan,
+    );
 
     fn state(&self) -> impl serde::Serialize {
-        (&self.moments, &self.folds, self.next, self.plan)
+        (&self.moments, &self.tail, &self.folds, self.next, self.plan)
     }
 
     fn restore(&mut self, state: Self::State) -> Result<(), super::StateError> {
-        (self.moments, self.folds, self.next, self.plan) = state;
+        (self.moments, self.tail, self.folds, self.next, self.plan) = state;
         Ok(())
     }
 

@@ -1,7 +1,10 @@
 //! Spends a budget of samples, pass by pass.
 
+mod automatic;
+mod bounded_monte_carlo;
 mod controlled_estimate;
 mod controlled_monte_carlo;
+mod histogram_monte_carlo;
 mod median;
 mod monte_carlo;
 mod plan;
@@ -13,11 +16,17 @@ mod sample_block;
 mod sample_error;
 mod strata;
 mod stratified_monte_carlo;
+mod thinned;
 mod vegas;
 
 pub use crate::estimate::Consistency;
+pub use automatic::{
+    Automatic, AutomaticError, AutomaticEstimate, AutomaticPartial, Choice, Method, Promise, Why,
+};
+pub use bounded_monte_carlo::{BoundedError, BoundedEstimate, BoundedMonteCarlo};
 pub use controlled_estimate::ControlledEstimate;
 pub use controlled_monte_carlo::ControlledMonteCarlo;
+pub use histogram_monte_carlo::HistogramMonteCarlo;
 pub use median::Median;
 pub use monte_carlo::MonteCarlo;
 pub use randomized_qmc::{RandomizedQmc, RandomizedQmcError, ReplicateError};

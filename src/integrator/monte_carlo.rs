@@ -6,7 +6,7 @@ use super::plan::Plan;
 use super::sample_block::sample_block;
 use super::sample_error::Failure;
 use super::{Integrator, NonFinite, SampleError};
-use crate::estimate::{Estimate, Moments, Tolerance};
+use crate::estimate::{Estimate, Evidence, Moments, Tail, Tolerance};
 use crate::estimator::TryEstimator;
 use crate::merge::Merge;
 use crate::sampler::{Iid, Independent};
@@ -40,6 +40,9 @@ pub struct MonteCarlo<E: TryEstimator, S = Independent> {
     estimator: E,
     non_finite: NonFinite,
     moments: Moments<E::Value>,
+    tail: Tail<E::Value>,
+    /// Of the first part of the run, and of the last: a quarter of it or more.
+    parts: [Moments<E::Value>; 2],
     /// The number of the next block and the next sample.
     next: (u64, u64),
     plan: Plan,
@@ -53,13 +56,19 @@ pub struct MonteCarlo<E: TryEstimator, S = Independent> {
     serde(bound = "")
 )]
 pub struct MonteCarloPartial<V: Value, E> {
-    moments: Moments<V>,
+    pub(super) moments: Moments<V>,
+    tail: Tail<V>,
     failure: Option<Failure<V, E>>,
 }
+
+/// What came of a block, and whether the run ends with it.
+type BlockOf<E> = ControlFlow<Partial<E>, Partial<E>>;
+type Partial<E> = MonteCarloPartial<<E as TryEstimator>::Value, <E as TryEstimator>::Error>;
 
 impl<V: Value, E> Merge for MonteCarloPartial<V, E> {
     fn merge(&mut self, right: Self) {
         self.moments.merge(right.moments);
+        self.tail.merge(right.tail);
         self.failure = self.failure.take().or(right.failure);
     }
 }
@@ -72,6 +81,8 @@ impl<E: TryEstimator, S: Iid> MonteCarlo<E, S> {
             estimator,
             non_finite: NonFinite::Refuse,
             moments: Moments::new(),
+            tail: Tail::new(),
+            parts: [Moments::new(); 2],
             next: (0, 0),
             plan: Plan::default(),
         }
@@ -81,6 +92,48 @@ impl<E: TryEstimator, S: Iid> MonteCarlo<E, S> {
     #[must_use]
     pub fn on_non_finite(self, non_finite: NonFinite) -> Self {
         Self { non_finite, ..self }
+    }
+}
+
+impl<E: TryEstimator, S: Iid> MonteCarlo<E, S> {
+    /// A block by an estimator that does what `self`'s own does, and more; `see` is
+    /// shown its values.
+    #[inline]
+    pub(super) fn block_of<T: TryEstimator<Value = E::Value, Error = E::Error>>(
+        &self,
+        estimator: &T,
+        index: u64,
+        mut see: impl FnMut(&[E::Value]),
+    ) -> BlockOf<E> {
+        let mut moments = Moments::new();
+        let mut tail = self.tail.continued();
+        let failure = sample_block(
+            &self.sampler,
+            estimator,
+            self.plan.block(index),
+            self.non_finite,
+            &mut moments,
+            |moments, slice| {
+                tail.push_last_of(moments, slice);
+                see(slice);
+            },
+        )
+        .err();
+        let ended = failure.is_some();
+        let partial = MonteCarloPartial {
+            moments,
+            tail,
+            failure,
+        };
+        if ended {
+            ControlFlow::Break(partial)
+        } else {
+            ControlFlow::Continue(partial)
+        }
+    }
+
+    pub(super) const fn estimator(&self) -> &E {
+        &self.estimator
     }
 }
 
@@ -109,28 +162,19 @@ impl<E: TryEstimator, S: Iid> Integrator for MonteCarlo<E, S> {
     }
 
     fn block(&self, index: u64) -> ControlFlow<Self::Partial, Self::Partial> {
-        let mut moments = Moments::new();
-        let failure = sample_block(
-            &self.sampler,
-            &self.estimator,
-            self.plan.block(index),
-            self.non_finite,
-            &mut moments,
-            |_| (),
-        )
-        .err();
-        let ended = failure.is_some();
-        let partial = MonteCarloPartial { moments, failure };
-        if ended {
-            ControlFlow::Break(partial)
-        } else {
-            ControlFlow::Continue(partial)
-        }
+        self.block_of(&self.estimator, index, |_| ())
     }
 
     fn absorb(&mut self, pass: Self::Partial, blocks: u64) -> Result<(), Self::Error> {
         self.next = self.plan.after(blocks);
+        let [first, last] = &mut self.parts;
+        if last.count() >= self.moments.count() / 3 {
+            first.merge(core::mem::take(last));
+        }
+        last.merge(pass.moments);
         self.moments.merge(pass.moments);
+        self.tail.merge(pass.tail);
+        self.tail.settle();
         match pass.failure {
             None => Ok(()),
             Some(failure) => Err(failure.explain(&self.sampler, &self.estimator)),
@@ -142,24 +186,35 @@ impl<E: TryEstimator, S: Iid> Integrator for MonteCarlo<E, S> {
     }
 
     fn meets(&self, tolerance: &Tolerance) -> bool {
-        self.answer().is_some_and(|e| tolerance.is_met_by(&e))
+        Estimate::independent(&self.moments).is_some_and(|e| tolerance.is_met_by(&e))
     }
 
     fn answer(&self) -> Option<Self::Answer> {
-        Estimate::independent(&self.moments)
+        let mut evidence = Evidence::of(&self.tail, &self.moments);
+        let parts = self.parts.each_ref().map(Estimate::independent);
+        if let [Some(first), Some(last)] = &parts {
+            evidence = evidence.with_parts(first, last);
+        }
+        Some(Estimate::independent(&self.moments)?.with_evidence(evidence))
     }
 }
 
 #[cfg(feature = "serde")]
 impl<E: TryEstimator, S: Iid + core::fmt::Debug> super::Resumable for MonteCarlo<E, S> {
-    type State = (Moments<E::Value>, (u64, u64), Plan);
+    type State = (
+        Moments<E::Value>,
+        Tail<E::Value>,
+        [Moments<E::Value>; 2],
+        (u64, u64),
+        Plan,
+    );
 
     fn state(&self) -> impl serde::Serialize {
-        (&self.moments, self.next, self.plan)
+        (&self.moments, &self.tail, &self.parts, self.next, self.plan)
     }
 
     fn restore(&mut self, state: Self::State) -> Result<(), super::StateError> {
-        (self.moments, self.next, self.plan) = state;
+        (self.moments, self.tail, self.parts, self.next, self.plan) = state;
         Ok(())
     }
 

@@ -8,7 +8,7 @@ use super::plan::Plan;
 use super::sample_block::sample_block;
 use super::sample_error::Failure;
 use super::{Integrator, NonFinite, SampleError};
-use crate::estimate::{ErrorSource, Estimate, Moments, Tolerance, scaled};
+use crate::estimate::{ErrorSource, Estimate, Evidence, Moments, Tail, Tolerance, outlier, scaled};
 use crate::estimator::TryEstimator;
 use crate::merge::Merge;
 use crate::sampler::Randomize;
@@ -70,12 +70,15 @@ pub struct RandomizedQmc<E: TryEstimator, S> {
     non_finite: NonFinite,
     /// Of the first n points of each replicate.
     pub(super) done: Vec<Moments<E::Value>>,
+    /// The largest values of all of them.
+    tail: Tail<E::Value>,
     points: u64,
     spent: u64,
     /// The pass at hand: what each replicate adds to its points, and what the
     /// first blocks, `begun` of them, have found.
     plan: Plan,
     open: Vec<Moments<E::Value>>,
+    open_tail: Tail<E::Value>,
     begun: u64,
     /// The number that the next block of each replicate has.
     next: u64,
@@ -141,10 +144,12 @@ impl<E: TryEstimator, S: Randomize> RandomizedQmc<E, S> {
             estimator,
             non_finite: NonFinite::Refuse,
             done: none.clone(),
+            tail: Tail::new(),
             points: 0,
             spent: 0,
             plan: Plan::default(),
             open: none,
+            open_tail: Tail::new(),
             begun: 0,
             next: 0,
         })
@@ -206,6 +211,7 @@ impl<E: TryEstimator, S: Randomize> RandomizedQmc<E, S> {
 
     fn close(&mut self) {
         self.open.fill(Moments::new());
+        self.open_tail = Tail::new();
         self.begun = 0;
     }
 }
@@ -255,19 +261,21 @@ impl<E: TryEstimator, S: Randomize> Integrator for RandomizedQmc<E, S> {
         let index = self.begun + index;
         let replicate = index / self.plan.blocks();
         let mut moments = Moments::new();
+        let mut tail = self.tail.continued();
         let failure = sample_block(
             &self.replicates[replicate as usize],
             &self.estimator,
             self.plan.block(index % self.plan.blocks()),
             self.non_finite,
             &mut moments,
-            |_| (),
+            |moments, slice| tail.push_last_of(moments, slice),
         )
         .err();
         let ended = failure.is_some();
         let partial = RandomizedQmcPartial {
             first: replicate,
             replicates: vec![moments],
+            tail,
             failure,
         };
         if ended {
@@ -283,6 +291,7 @@ impl<E: TryEstimator, S: Randomize> Integrator for RandomizedQmc<E, S> {
             self.spent += moments.count() + moments.non_finite();
             open.merge(*moments);
         }
+        self.open_tail.merge(pass.tail);
         if let Some(failure) = pass.failure {
             self.close();
             let replicate = pass.first + pass.replicates.len() as u64 - 1;
@@ -297,6 +306,8 @@ impl<E: TryEstimator, S: Randomize> Integrator for RandomizedQmc<E, S> {
             for (done, open) in self.done.iter_mut().zip(&self.open) {
                 done.merge(*open);
             }
+            self.tail.merge(core::mem::take(&mut self.open_tail));
+            self.tail.settle();
             self.close();
         }
         Ok(())
@@ -307,10 +318,21 @@ impl<E: TryEstimator, S: Randomize> Integrator for RandomizedQmc<E, S> {
     }
 
     fn meets(&self, tolerance: &Tolerance) -> bool {
-        self.answer().is_some_and(|e| tolerance.is_met_by(&e))
+        self.estimate().is_some_and(|e| tolerance.is_met_by(&e))
     }
 
     fn answer(&self) -> Option<Self::Answer> {
+        let estimate = self.estimate()?;
+        let evidence = Evidence::of(&self.tail, &estimate.moments).with_agreement(|k| {
+            let means: Vec<f64> = self.means().map(|m| m.components().as_ref()[k]).collect();
+            outlier(&means)
+        });
+        Some(estimate.with_evidence(evidence))
+    }
+}
+
+impl<E: TryEstimator, S: Randomize> RandomizedQmc<E, S> {
+    fn estimate(&self) -> Option<Estimate<E::Value>> {
         let means: Moments<<E::Value as Value>::Wide> = self.means().collect();
         let mut pooled = Moments::new();
         for moments in &self.done {
@@ -341,6 +363,7 @@ impl<E: TryEstimator, S: Randomize> Integrator for RandomizedQmc<E, S> {
 pub struct RandomizedQmcPartial<V: Value, E> {
     first: u64,
     replicates: Vec<Moments<V>>,
+    tail: Tail<V>,
     /// Of the last replicate.
     failure: Option<Failure<V, E>>,
 }
@@ -353,6 +376,7 @@ impl<V: Value, E> Merge for RandomizedQmcPartial<V, E> {
             following.next().into_iter().for_each(|m| last.merge(m));
         }
         self.replicates.extend(following);
+        self.tail.merge(right.tail);
         self.failure = self.failure.take().or(right.failure);
     }
 }
@@ -365,21 +389,24 @@ where
 {
     type State = (
         [Vec<Moments<E::Value>>; 2],
+        [Tail<E::Value>; 2],
         [u64; 4], // points, spent, begun, next
         Plan,
     );
 
     fn state(&self) -> impl serde::Serialize {
         let numbers = [self.points, self.spent, self.begun, self.next];
-        ([&self.done, &self.open], numbers, self.plan)
+        let tails = [&self.tail, &self.open_tail];
+        ([&self.done, &self.open], tails, numbers, self.plan)
     }
 
     fn restore(&mut self, state: Self::State) -> Result<(), super::StateError> {
-        let ([done, open], numbers, plan) = state;
+        let ([done, open], tails, numbers, plan) = state;
         for moments in [&done, &open] {
             super::StateError::unless_equal("replicates", moments.len(), self.replicates.len())?;
         }
         (self.done, self.open, self.plan) = (done, open, plan);
+        [self.tail, self.open_tail] = tails;
         [self.points, self.spent, self.begun, self.next] = numbers;
         Ok(())
     }

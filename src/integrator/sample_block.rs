@@ -23,7 +23,8 @@ pub enum NonFinite {
 const SLICE: usize = 256;
 
 /// Takes the primary estimates of a block, in order, into `moments`, and shows
-/// each slice of them to `see`, as far as there is nothing to refuse.
+/// each slice of them to `see`, together with the moments of all so far, as far as
+/// there is nothing to refuse.
 #[inline]
 pub(crate) fn sample_block<S: Sampler, E: TryEstimator>(
     sampler: &S,
@@ -31,7 +32,7 @@ pub(crate) fn sample_block<S: Sampler, E: TryEstimator>(
     block: Block,
     non_finite: NonFinite,
     moments: &mut Moments<E::Value>,
-    mut see: impl FnMut(&[E::Value]),
+    mut see: impl FnMut(&Moments<E::Value>, &[E::Value]),
 ) -> Result<(), Failure<E::Value, E::Error>> {
     let mut points = sampler.stream(block);
     let fail = |offset, cause| Failure {
@@ -39,29 +40,36 @@ pub(crate) fn sample_block<S: Sampler, E: TryEstimator>(
         block,
         offset,
     };
+    if block.len == 0 {
+        return Ok(());
+    }
+    // There is no value to begin with but the first one. Later slices are taken
+    // whole, and begin where lanes do.
+    points.next_point();
+    let first = estimator
+        .try_estimate(&mut points)
+        .map_err(|e| fail(0, Cause::Integrand(e)))?;
+    let mut values = [first; SLICE];
+    let mut ready = 1;
     let mut done = 0;
     while done < block.len {
         let len = (block.len - done).min(SLICE as u64) as usize;
-        points.next_point();
-        let first = estimator
-            .try_estimate(&mut points)
-            .map_err(|e| fail(done, Cause::Integrand(e)))?;
-        let mut slice = [first; SLICE];
         let failed = estimator
-            .try_estimate_all(&mut points, &mut slice[1..len])
+            .try_estimate_all(&mut points, &mut values[ready..len])
             .err();
-        let taken = failed.as_ref().map_or(len, |(taken, _)| 1 + taken);
-        let slice = &slice[..taken];
+        let taken = failed.as_ref().map_or(len, |(taken, _)| ready + taken);
+        ready = 0;
+        let slice = &values[..taken];
         match non_finite {
             NonFinite::SetAside => moments.push_all(slice),
             NonFinite::Refuse => {
                 if let Some(bad) = moments.push_while_finite(slice) {
-                    see(&slice[..bad]);
+                    see(moments, &slice[..bad]);
                     return Err(fail(done + bad as u64, Cause::NonFinite(slice[bad])));
                 }
             }
         }
-        see(slice);
+        see(moments, slice);
         done += taken as u64;
         if let Some((_, error)) = failed {
             return Err(fail(done, Cause::Integrand(error)));

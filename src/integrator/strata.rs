@@ -1,12 +1,12 @@
 //! Means and variances within strata.
 
-use crate::estimate::{ErrorSource, Estimate, Moments};
+use crate::estimate::{ErrorSource, Estimate, Evidence, Moments, Tail};
 use crate::merge::Merge;
 use crate::sampler::Stratified;
 use crate::value::{Components, Value};
 
 /// Sums over strata.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
@@ -34,6 +34,8 @@ pub struct Strata<V: Value> {
     ends: Option<Ends<V::Components>>,
     /// Of all primary estimates, pooled.
     pub(super) moments: Moments<V>,
+    /// The largest of them.
+    pub(super) tail: Tail<V>,
 }
 
 /// The first and the last of a number of strata in sequence; no mean where no
@@ -64,6 +66,7 @@ impl<V: Value> Default for Strata<V> {
             squares: V::Components::ZERO,
             ends: None,
             moments: Moments::new(),
+            tail: Tail::new(),
         }
     }
 }
@@ -82,6 +85,7 @@ impl<V: Value> Merge for Strata<V> {
         self.terms += right.terms;
         self.freedom += right.freedom;
         self.moments.merge(right.moments);
+        self.tail.merge(right.tail);
         if let Some(ends) = right.ends {
             self.join(ends);
         }
@@ -137,6 +141,11 @@ impl<V: Value> Strata<V> {
             });
         }
         mean
+    }
+
+    /// What the tail says.
+    pub(super) fn evidence(&self) -> Evidence<V> {
+        Evidence::of(&self.tail, &self.moments)
     }
 
     /// The estimate from all strata, of one sample each or of more.
@@ -292,7 +301,7 @@ impl<V: Value> Walk<V> {
             }
             let whole = whole.chunks_exact(n);
             values = whole.remainder();
-            let mut sums = *strata;
+            let mut sums = core::mem::take(strata);
             for samples in whole {
                 let mut stratum = Stratum::<V>::new(samples[0].components());
                 for y in &samples[1..] {

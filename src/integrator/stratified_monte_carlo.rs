@@ -6,6 +6,7 @@ use super::plan::Plan;
 use super::sample_block::{is_finite, sample_block};
 use super::sample_error::Failure;
 use super::strata::{Strata, Walk};
+use super::thinned::Thinned;
 use super::{Integrator, NonFinite, SampleError};
 use crate::estimate::{ErrorSource, Estimate, Moments, Tolerance};
 use crate::estimator::TryEstimator;
@@ -86,6 +87,13 @@ impl<const D: usize, E: TryEstimator, J: Iid> StratifiedMonteCarlo<D, E, J> {
         }
     }
 
+    fn estimate(&self) -> Option<Estimate<E::Value>> {
+        self.done.estimate(match self.grid.per_stratum() {
+            1 => ErrorSource::NeighbouringStrata,
+            _ => ErrorSource::WithinStrata,
+        })
+    }
+
     /// The same with another way to treat values that are NaN or infinite.
     /// Strata left without a finite value are left out.
     #[must_use]
@@ -134,17 +142,21 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
         let mut strata = Strata::default();
         let mut walk = Walk::new(&self.grid, block.start);
         let mut moments = Moments::new();
+        let mut thinned = Thinned::new(&self.done.tail, block.index);
         let failure = sample_block(
             &self.grid,
             &self.estimator,
             block,
             self.non_finite,
             &mut moments,
-            |slice| match self.non_finite {
-                NonFinite::Refuse => walk.over_finite(slice, &mut strata),
-                NonFinite::SetAside => {
-                    for value in slice {
-                        walk.step(value.components(), is_finite(*value), &mut strata);
+            |_, slice| {
+                thinned.push_all(slice);
+                match self.non_finite {
+                    NonFinite::Refuse => walk.over_finite(slice, &mut strata),
+                    NonFinite::SetAside => {
+                        for value in slice {
+                            walk.step(value.components(), is_finite(*value), &mut strata);
+                        }
                     }
                 }
             },
@@ -161,6 +173,7 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
             });
         }
         strata.moments = moments;
+        strata.tail = thinned.tail;
         ControlFlow::Continue(StratifiedPartial {
             strata,
             taken,
@@ -183,6 +196,7 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
         }
         if self.next.1.is_multiple_of(sweep) {
             self.done.merge(core::mem::take(&mut self.open));
+            self.done.tail.settle();
         }
         Ok(())
     }
@@ -192,14 +206,11 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
     }
 
     fn meets(&self, tolerance: &Tolerance) -> bool {
-        self.answer().is_some_and(|e| tolerance.is_met_by(&e))
+        self.estimate().is_some_and(|e| tolerance.is_met_by(&e))
     }
 
     fn answer(&self) -> Option<Self::Answer> {
-        self.done.estimate(match self.grid.per_stratum() {
-            1 => ErrorSource::NeighbouringStrata,
-            _ => ErrorSource::WithinStrata,
-        })
+        Some(self.estimate()?.with_evidence(self.done.evidence()))
     }
 }
 

@@ -147,27 +147,21 @@ impl AdaptiveGrid {
         &self.edges[axis * edges..][..edges]
     }
 
+    /// Those of all axes, one after the other.
+    #[inline]
+    pub(crate) fn all_edges(&self) -> &[f64] {
+        &self.edges
+    }
+
     /// Where the coordinate u of an axis goes, u in [0, 1).
     ///
     /// # Panics
     ///
-    /// If there is no such axis, or u ≤ −1/n.
+    /// If there is no such axis, or u lies outside [0, 1).
     #[inline]
     #[must_use]
     pub fn warp(&self, axis: usize, u: f64) -> GridNode {
-        // Narrow integers are cheaper to convert, and cells are few.
-        let n = self.cells as i32;
-        let position = u * f64::from(n);
-        let cell = (position as i32).min(n - 1);
-        let pair = &self.edges[axis * (self.cells + 1) + cell as usize..][..2];
-        let (start, width) = (pair[0], pair[1] - pair[0]);
-        let x = start + (position - f64::from(cell)) * width;
-        GridNode {
-            // Not `min`, which would lose a NaN.
-            x: if x >= 1.0 { BELOW_ONE } else { x },
-            width: width * f64::from(n),
-            cell: cell as usize,
-        }
+        warp(self.edges(axis), u)
     }
 
     /// The coordinate u that goes to x, with 1/p(x) and the cell.
@@ -278,6 +272,25 @@ impl AdaptiveGrid {
             self.refine(&histogram, 0.5, self.cells)?;
         }
         Ok(())
+    }
+}
+
+/// [`AdaptiveGrid::warp`] between these edges.
+#[inline]
+pub(crate) fn warp(edges: &[f64], u: f64) -> GridNode {
+    // Narrow integers are cheaper to convert, and cells are few.
+    let n = f64::from(edges.len() as i32 - 1);
+    // Below n, for u ≤ 1 − 2⁻⁵³: half a unit in the last place of what lies below
+    // n is at most n 2⁻⁵³.
+    let position = u * n;
+    let cell = position as i32;
+    let index = cell as usize;
+    let (start, width) = (edges[index], edges[index + 1] - edges[index]);
+    let x = start + (position - f64::from(cell)) * width;
+    GridNode {
+        x: if BELOW_ONE < x { BELOW_ONE } else { x },
+        width: width * n,
+        cell: index,
     }
 }
 

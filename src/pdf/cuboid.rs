@@ -4,6 +4,7 @@ use core::fmt;
 use core::ops::Range;
 
 use super::{Interval, IntervalError, Invert, Pdf, Sample};
+use crate::lanes::LANES;
 
 /// A box [a₁, b₁] × … × [a_D, b_D], with respect to volume.
 ///
@@ -142,6 +143,35 @@ impl<const D: usize> Pdf for Cuboid<D> {
                 if (0..D).all(inside) { *density } else { 0.0 }
             }
             Shape::Unbounded(axes) => axes.density(x),
+        }
+    }
+
+    #[inline(always)]
+    fn sample_lanes(&self, columns: &mut [[f64; LANES]]) -> [f64; LANES] {
+        let columns = &mut columns[..D];
+        match &self.shape {
+            Shape::Bounded {
+                start,
+                width,
+                density,
+            } => {
+                for (k, column) in columns.iter_mut().enumerate() {
+                    for x in column {
+                        *x = start[k] + width[k] * *x;
+                    }
+                }
+                [*density; LANES]
+            }
+            Shape::Unbounded(axes) => {
+                let mut densities = [1.0; LANES];
+                for (axis, column) in axes.iter().zip(columns) {
+                    let p = axis.sample_lanes(core::slice::from_mut(column));
+                    for l in 0..LANES {
+                        densities[l] *= p[l];
+                    }
+                }
+                densities
+            }
         }
     }
 }

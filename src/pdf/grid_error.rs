@@ -82,4 +82,4 @@ impl fmt::Display for AdaptiveGridError {
 impl core::error::Error for AdaptiveGridError {}
 
 /// An axis is cut into at most so many cells.
-pub(super) const MOST_CELLS: usize = 1 << 20;
+pub(crate) const MOST_CELLS: usize = 1 << 20;

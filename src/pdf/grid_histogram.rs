@@ -61,7 +61,8 @@ impl GridHistogram {
         &self.sums[axis * self.cells..][..self.cells]
     }
 
-    /// Adds a sample: its cell along each axis, and (f/p)².
+    /// Adds a sample: its cell along each axis, and (f/p)². Axes that it does not
+    /// tell of, the last ones, are left out.
     ///
     /// # Panics
     ///

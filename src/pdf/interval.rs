@@ -5,6 +5,7 @@ use core::ops::Range;
 
 use super::off_zero::off_zero;
 use super::{Invert, Pdf, Sample};
+use crate::lanes::LANES;
 
 /// A range of the real line, with respect to length.
 ///
@@ -213,6 +214,29 @@ impl Pdf for Interval {
             Shape::Below(end) => rational(end - x),
             Shape::Line => 0.5 * rational(x.abs()),
         }
+    }
+
+    /// Looks at the kind of range once.
+    #[inline(always)]
+    fn sample_lanes(&self, columns: &mut [[f64; LANES]]) -> [f64; LANES] {
+        let column = &mut columns[0];
+        if let Shape::Bounded {
+            start,
+            width,
+            density,
+        } = self.shape
+        {
+            for x in column {
+                *x = start + width * *x;
+            }
+            return [density; LANES];
+        }
+        let mut densities = [0.0; LANES];
+        for (x, density) in column.iter_mut().zip(&mut densities) {
+            let sample = self.sample_unbounded(*x);
+            (*x, *density) = (sample.point, sample.density);
+        }
+        densities
     }
 }
 

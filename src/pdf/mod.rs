@@ -48,6 +48,7 @@ mod uniform_hemisphere;
 mod unit_cube;
 mod weights;
 
+pub(crate) use adaptive_grid::warp;
 pub use adaptive_grid::{AdaptiveGrid, GridNode};
 pub use cauchy::{Cauchy, CauchyError};
 pub use cone::{UniformCone, UniformConeError};
@@ -59,6 +60,7 @@ pub use discrete_cdf::DiscreteCdf;
 pub use disk::{ConcentricDisk, ConcentricDiskError};
 pub use exponential::{Exponential, ExponentialError};
 pub use grid_error::AdaptiveGridError;
+pub(crate) use grid_error::MOST_CELLS;
 pub use grid_histogram::GridHistogram;
 pub use interval::{Interval, IntervalError};
 pub use inverse_cdf::{InverseCdf, InverseCdfError};
@@ -86,6 +88,7 @@ pub use weights::WeightsError;
 
 use core::fmt::Debug;
 
+use crate::lanes::{LANES, Lanes};
 use crate::sampler::UnitPoint;
 
 /// A point of a domain, together with the density p(x) at it.
@@ -119,6 +122,34 @@ pub trait Pdf {
 
     /// p(x): zero outside the domain.
     fn density(&self, x: &Self::Point) -> f64;
+
+    /// [`sample`](Self::sample) of points side by side: takes the coordinates
+    /// from the first of `columns`, leaves the numbers of the points there in
+    /// their place, and returns p at each.
+    ///
+    /// Provided, one by one. The points and densities are the same, to the last
+    /// bit.
+    ///
+    /// # Panics
+    ///
+    /// If there are fewer columns than a unit or a point has numbers.
+    #[inline(always)]
+    fn sample_lanes(&self, columns: &mut [[f64; LANES]]) -> [f64; LANES]
+    where
+        Self::Point: Lanes,
+    {
+        let mut units = [Self::Unit::ORIGIN; LANES];
+        for (l, u) in units.iter_mut().enumerate() {
+            *u = Self::Unit::get(columns, l);
+        }
+        let mut densities = [0.0; LANES];
+        for (l, u) in units.into_iter().enumerate() {
+            let x = self.sample(u);
+            x.point.put(columns, l);
+            densities[l] = x.density;
+        }
+        densities
+    }
 }
 
 /// A pdf whose warp can be undone.
@@ -137,6 +168,13 @@ impl<P: Pdf + ?Sized> Pdf for &P {
     #[inline]
     fn density(&self, x: &P::Point) -> f64 {
         (**self).density(x)
+    }
+    #[inline(always)]
+    fn sample_lanes(&self, columns: &mut [[f64; LANES]]) -> [f64; LANES]
+    where
+        P::Point: Lanes,
+    {
+        (**self).sample_lanes(columns)
     }
 }
 

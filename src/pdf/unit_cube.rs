@@ -1,6 +1,7 @@
 //! The unit cube itself.
 
 use super::{Invert, Pdf, Sample};
+use crate::lanes::LANES;
 
 /// The uniform density on [0, 1)^D, with respect to volume: no warp at all.
 ///
@@ -42,6 +43,11 @@ impl<const D: usize> Pdf for UnitCube<D> {
         } else {
             0.0
         }
+    }
+
+    #[inline(always)]
+    fn sample_lanes(&self, _: &mut [[f64; LANES]]) -> [f64; LANES] {
+        [1.0; LANES]
     }
 }
 

@@ -5,7 +5,7 @@ use core::fmt;
 use super::QuadratureError;
 use super::composite::finite;
 use super::regions::{BoxRule, NotFinite, Regions};
-use super::symmetric::{MOST_AXES, Symmetric};
+use super::symmetric::Degree;
 use crate::estimate::{Tolerance, with_errors};
 use crate::pdf::Pdf;
 use crate::sampler::UnitPoint;
@@ -46,24 +46,6 @@ pub fn adaptive<P: Pdf, V: Value>(
     budget: u64,
 ) -> Result<Cubature<V::Wide>, QuadratureError<P::Point>> {
     Adaptive::new(f, domain, Degree::Nine)?.refine(tolerance, budget)
-}
-
-/// Up to which degree polynomials are integrated exactly in each box of two or
-/// more dimensions.
-///
-/// | n | 2 | 3 | 4 | 5 | 6 | 8 | 10 | 15 |
-/// |---|---|---|---|---|---|---|---|---|
-/// | evaluations in a box, degree 7 | 17 | 33 | 57 | 93 | 149 | 401 | 1245 | 33249 |
-/// | degree 9 | 33 | 77 | 153 | 273 | 453 | 1105 | 2605 | 35969 |
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Degree {
-    /// Genz and Malik's rule of 1980. More boxes for the same budget: better for
-    /// jumps, kinks and narrow peaks, and where the budget pays for few boxes.
-    Seven,
-    /// Genz and Malik's rule of 1983. Better where the integrand is smooth.
-    #[default]
-    Nine,
 }
 
 /// Adaptive quadrature: a rule on boxes, the box with the largest error cut in
@@ -170,12 +152,8 @@ impl<P: Pdf, V: Value, F: Fn(P::Point) -> V> Adaptive<P, F, V> {
     /// The domain has 1 to 15 coordinates.
     pub fn new(f: F, domain: P, degree: Degree) -> Result<Self, QuadratureError<P::Point>> {
         let dimensions = P::Unit::DIM;
-        let rule = match (dimensions, degree) {
-            (1, _) => BoxRule::Kronrod,
-            (2..=MOST_AXES, Degree::Seven) => BoxRule::Symmetric(Symmetric::seven(dimensions)),
-            (2..=MOST_AXES, Degree::Nine) => BoxRule::Symmetric(Symmetric::nine(dimensions)),
-            _ => return Err(QuadratureError::Dimensions(dimensions)),
-        };
+        let rule =
+            BoxRule::new(dimensions, degree).ok_or(QuadratureError::Dimensions(dimensions))?;
         let boxes = Regions::new(rule, dimensions);
         Ok(Self { domain, f, boxes })
     }

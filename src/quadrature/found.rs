@@ -4,7 +4,7 @@ use crate::value::Components;
 
 /// What a rule found in a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Found<C> {
+pub(crate) struct Found<C> {
     /// ∫ g
     pub(super) value: C,
     /// The error, at least that of rounding.

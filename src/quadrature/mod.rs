@@ -22,8 +22,11 @@ mod rule;
 mod symmetric;
 mod tensor;
 
-pub use adaptive::{Adaptive, Cubature, Degree, Region, adaptive};
+pub use adaptive::{Adaptive, Cubature, Region, adaptive};
 pub use composite::{Quadrature, composite, halving, primary_estimates};
 pub use error::QuadratureError;
+pub(crate) use found::Found;
+pub(crate) use regions::{BoxRule, Cut, Regions};
 pub use rule::{Node, Rule, RuleError};
+pub use symmetric::Degree;
 pub use tensor::tensor;

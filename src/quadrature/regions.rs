@@ -5,19 +5,29 @@ use std::collections::BinaryHeap;
 
 use super::found::Found;
 use super::kronrod;
-use super::symmetric::{MOST_AXES, Symmetric};
+use super::symmetric::{Degree, MOST_AXES, Symmetric};
 use crate::estimate::Tolerance;
 use crate::value::Components;
 
 /// The rule for each box.
 #[derive(Clone, Debug)]
-pub(super) enum BoxRule {
+pub(crate) enum BoxRule {
     Kronrod,
     Symmetric(Symmetric),
 }
 
 impl BoxRule {
-    pub(super) fn cost(&self) -> u64 {
+    /// `None` of too many dimensions, or of none.
+    pub(crate) fn new(dimensions: usize, degree: Degree) -> Option<Self> {
+        match (dimensions, degree) {
+            (1, _) => Some(Self::Kronrod),
+            (2..=MOST_AXES, Degree::Seven) => Some(Self::Symmetric(Symmetric::seven(dimensions))),
+            (2..=MOST_AXES, Degree::Nine) => Some(Self::Symmetric(Symmetric::nine(dimensions))),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn cost(&self) -> u64 {
         match self {
             Self::Kronrod => kronrod::COST,
             Self::Symmetric(rule) => rule.cost(),
@@ -72,9 +82,12 @@ impl BoxRule {
     }
 }
 
+/// What makes components comparable where no tolerance does.
+const EVEN: Tolerance = Tolerance::EVEN;
+
 /// The integrand has a value that is not finite, or its integral overflows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct NotFinite;
+pub(crate) struct NotFinite;
 
 /// A partition of the unit cube into boxes, the worst of which is cut next.
 ///
@@ -83,7 +96,7 @@ pub(super) struct NotFinite;
 ///
 /// Source: van Dooren & de Ridder (1976) for the global strategy.
 #[derive(Clone, Debug)]
-pub(super) struct Regions<C> {
+pub(crate) struct Regions<C> {
     rule: BoxRule,
     dimensions: usize,
     /// Of each box the centre, then half the sides.
@@ -96,6 +109,15 @@ pub(super) struct Regions<C> {
     /// What an error in each component weighs, for this tolerance.
     weights: C,
     tolerance: Option<Tolerance>,
+}
+
+/// The two halves of a box.
+#[derive(Clone, Debug)]
+pub(crate) struct Cut<C> {
+    region: usize,
+    /// Centre and half the sides of each, as many as there are dimensions.
+    bounds: [[f64; 2 * MOST_AXES]; 2],
+    halves: [Found<C>; 2],
 }
 
 /// Where a box stands in the queue: by error, and by volume where there is
@@ -130,7 +152,7 @@ impl PartialEq for Rank {
 impl Eq for Rank {}
 
 impl<C: Components> Regions<C> {
-    pub(super) fn new(rule: BoxRule, dimensions: usize) -> Self {
+    pub(crate) fn new(rule: BoxRule, dimensions: usize) -> Self {
         let mut weights = C::ZERO;
         weights.as_mut().fill(1.0);
         Self {
@@ -148,20 +170,20 @@ impl<C: Components> Regions<C> {
     }
 
     /// Evaluations of g in one box.
-    pub(super) fn cost(&self) -> u64 {
+    pub(crate) fn cost(&self) -> u64 {
         self.rule.cost()
     }
 
-    pub(super) fn evaluations(&self) -> u64 {
+    pub(crate) fn evaluations(&self) -> u64 {
         self.evaluations
     }
 
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.found.len()
     }
 
     /// The sums over all boxes.
-    pub(super) fn total(&self) -> (C, C) {
+    pub(crate) fn total(&self) -> (C, C) {
         (self.value, self.error)
     }
 
@@ -186,15 +208,8 @@ impl<C: Components> Regions<C> {
         g: &mut impl FnMut(&[f64]) -> C,
     ) -> Result<bool, NotFinite> {
         if self.found.is_empty() {
-            let bounds = vec![0.5; 2 * self.dimensions];
-            let whole = self.rule.apply(&bounds, &self.weights, g);
-            if !whole.is_finite() {
-                return Err(NotFinite);
-            }
-            self.bounds = bounds;
-            self.found.push(whole);
-            self.evaluations = self.rule.cost();
-            self.add_up();
+            let whole = self.whole(g)?;
+            self.begin(whole);
         }
         if self.tolerance != Some(*tolerance) {
             self.tolerance = Some(*tolerance);
@@ -205,15 +220,28 @@ impl<C: Components> Regions<C> {
         result.map(|()| self.meets(tolerance))
     }
 
+    /// What the rule finds in the whole cube.
+    pub(crate) fn whole(&self, g: &mut impl FnMut(&[f64]) -> C) -> Result<Found<C>, NotFinite> {
+        let bounds = vec![0.5; 2 * self.dimensions];
+        let whole = self.rule.apply(&bounds, &self.weights, g);
+        whole.is_finite().then_some(whole).ok_or(NotFinite)
+    }
+
+    /// Takes the whole cube for the first box.
+    pub(crate) fn begin(&mut self, whole: Found<C>) {
+        self.bounds = vec![0.5; 2 * self.dimensions];
+        self.found.push(whole);
+        self.evaluations = self.rule.cost();
+        self.add_up();
+    }
+
     fn cut(
         &mut self,
         tolerance: &Tolerance,
         budget: u64,
         g: &mut impl FnMut(&[f64]) -> C,
     ) -> Result<(), NotFinite> {
-        let (n, cost) = (self.dimensions, self.rule.cost());
-        let mut children = [0.0; 4 * MOST_AXES];
-        let (left, right) = children[..4 * n].split_at_mut(2 * n);
+        let cost = self.rule.cost();
         loop {
             if self.meets(tolerance) {
                 // The running sums have seen larger numbers.
@@ -228,30 +256,8 @@ impl<C: Components> Regions<C> {
             let Some(&Rank { region, .. }) = self.heap.peek() else {
                 return Ok(());
             };
-            let whole = self.found[region];
-            let bounds = &mut self.bounds[2 * n * region..2 * n * (region + 1)];
-            left.copy_from_slice(bounds);
-            left[n + whole.axis] *= 0.5;
-            right.copy_from_slice(left);
-            left[whole.axis] -= left[n + whole.axis];
-            right[whole.axis] += right[n + whole.axis];
-            let mut halves = [&*left, &*right].map(|half| self.rule.apply(half, &self.weights, g));
-            if !halves.iter().all(Found::is_finite) {
-                return Err(NotFinite);
-            }
-            self.rule.compare(&whole, &mut halves);
-            bounds.copy_from_slice(left);
-            self.bounds.extend_from_slice(right);
-            let [a, b] = &halves;
-            for k in 0..C::COUNT {
-                let change =
-                    |whole: &C, a: &C, b: &C| a.as_ref()[k] + b.as_ref()[k] - whole.as_ref()[k];
-                self.value.as_mut()[k] += change(&whole.value, &a.value, &b.value);
-                self.error.as_mut()[k] += change(&whole.error, &a.error, &b.error);
-            }
-            self.found[region] = halves[0];
-            self.found.push(halves[1]);
-            self.evaluations += 2 * cost;
+            let cut = self.cut_in_two(region, g)?;
+            self.replace(&cut);
             self.heap.pop();
             self.rank(tolerance, region);
             self.rank(tolerance, self.found.len() - 1);
@@ -261,6 +267,78 @@ impl<C: Components> Regions<C> {
                 self.rank_all(tolerance);
             }
         }
+    }
+
+    /// The boxes with the largest errors, at most `most`, none with less than
+    /// `share` of the largest; where there are no errors, the largest boxes. Those
+    /// with nothing but rounding left do not count.
+    pub(crate) fn worst(&self, share: f64, most: usize) -> Vec<usize> {
+        let weights = EVEN.weights(&self.value);
+        let rank = |region: usize| Rank {
+            error: EVEN.weigh(weights.as_ref(), self.found[region].error.as_ref()),
+            volume: self.volume(region),
+            region,
+        };
+        let open = |region: &usize| {
+            let found = &self.found[*region];
+            found.room && !found.settled
+        };
+        let mut ranks: Vec<_> = (0..self.found.len()).filter(open).map(rank).collect();
+        ranks.sort_unstable_by(|a, b| b.cmp(a));
+        let Some(&Rank { error, volume, .. }) = ranks.first() else {
+            return Vec::new();
+        };
+        let counts = |r: &Rank| r.error >= share * error && (error > 0.0 || r.volume >= volume);
+        let taken = ranks.iter().take(most).take_while(|r| counts(r));
+        taken.map(|r| r.region).collect()
+    }
+
+    /// What the rule finds in the two halves of a box.
+    pub(crate) fn cut_in_two(
+        &self,
+        region: usize,
+        g: &mut impl FnMut(&[f64]) -> C,
+    ) -> Result<Cut<C>, NotFinite> {
+        let n = self.dimensions;
+        let whole = &self.found[region];
+        let mut bounds = [[0.0; 2 * MOST_AXES]; 2];
+        for half in &mut bounds {
+            half[..2 * n].copy_from_slice(&self.bounds[2 * n * region..2 * n * (region + 1)]);
+            half[n + whole.axis] *= 0.5;
+        }
+        let shift = bounds[0][n + whole.axis];
+        bounds[0][whole.axis] -= shift;
+        bounds[1][whole.axis] += shift;
+        let apply = |half: &[f64; 2 * MOST_AXES]| self.rule.apply(&half[..2 * n], &self.weights, g);
+        let mut halves = bounds.each_ref().map(apply);
+        if !halves.iter().all(Found::is_finite) {
+            return Err(NotFinite);
+        }
+        self.rule.compare(whole, &mut halves);
+        Ok(Cut {
+            region,
+            bounds,
+            halves,
+        })
+    }
+
+    /// Puts two halves in the place of a box.
+    pub(crate) fn replace(&mut self, cut: &Cut<C>) {
+        let (n, region) = (self.dimensions, cut.region);
+        let [left, right] = cut.bounds.each_ref().map(|half| &half[..2 * n]);
+        self.bounds[2 * n * region..2 * n * (region + 1)].copy_from_slice(left);
+        self.bounds.extend_from_slice(right);
+        let whole = self.found[region];
+        let [a, b] = &cut.halves;
+        for k in 0..C::COUNT {
+            let change =
+                |whole: &C, a: &C, b: &C| a.as_ref()[k] + b.as_ref()[k] - whole.as_ref()[k];
+            self.value.as_mut()[k] += change(&whole.value, &a.value, &b.value);
+            self.error.as_mut()[k] += change(&whole.error, &a.error, &b.error);
+        }
+        self.found[region] = *a;
+        self.found.push(*b);
+        self.evaluations += 2 * self.rule.cost();
     }
 
     fn meets(&self, tolerance: &Tolerance) -> bool {
@@ -278,19 +356,24 @@ impl<C: Components> Regions<C> {
     fn rank(&mut self, tolerance: &Tolerance, region: usize) {
         let found = &self.found[region];
         if found.room && !found.settled {
-            let n = self.dimensions;
-            let half = &self.bounds[2 * n * region + n..2 * n * (region + 1)];
             self.heap.push(Rank {
                 error: tolerance.weigh(self.weights.as_ref(), found.error.as_ref()),
-                volume: half.iter().product(),
+                volume: self.volume(region),
                 region,
             });
         }
     }
 
+    /// In terms of the cube with sides of two.
+    fn volume(&self, region: usize) -> f64 {
+        let n = self.dimensions;
+        let half = &self.bounds[2 * n * region + n..2 * n * (region + 1)];
+        half.iter().product()
+    }
+
     /// The sums over all boxes anew, the values with what each addition rounds
     /// off (Neumaier).
-    fn add_up(&mut self) {
+    pub(crate) fn add_up(&mut self) {
         let mut lost = C::ZERO;
         (self.value, self.error) = (C::ZERO, C::ZERO);
         for found in &self.found {

@@ -10,6 +10,24 @@ use crate::value::Components;
 /// The most dimensions: beyond, 2ⁿ corners are too many for each box.
 pub(super) const MOST_AXES: usize = 15;
 
+/// Up to which degree polynomials are integrated exactly in each box of two or
+/// more dimensions.
+///
+/// | n | 2 | 3 | 4 | 5 | 6 | 8 | 10 | 15 |
+/// |---|---|---|---|---|---|---|---|---|
+/// | evaluations in a box, degree 7 | 17 | 33 | 57 | 93 | 149 | 401 | 1245 | 33249 |
+/// | degree 9 | 33 | 77 | 153 | 273 | 453 | 1105 | 2605 | 35969 |
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Degree {
+    /// Genz and Malik's rule of 1980. More boxes for the same budget: better for
+    /// jumps, kinks and narrow peaks, and where the budget pays for few boxes.
+    Seven,
+    /// Genz and Malik's rule of 1983. Better where the integrand is smooth.
+    #[default]
+    Nine,
+}
+
 /// The most orbits that a rule has.
 const MOST: usize = 9;
 /// The most of these with one generator.
@@ -35,7 +53,7 @@ type Weights = [f64; MOST];
 /// for degree 9, with the free generators of Berntsen, Espelid & Genz,
 /// *Algorithm 698: DCUHRE* (1991).
 #[derive(Clone, Debug)]
-pub(super) struct Symmetric {
+pub(crate) struct Symmetric {
     /// The centre, then those of one generator, then the rest.
     orbits: Vec<Orbit>,
     singles: usize,

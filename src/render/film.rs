@@ -222,7 +222,7 @@ impl<E: TryEstimator<Value = DVec3>, S: Iid> Integrator for Film<E, S> {
                 block,
                 self.non_finite,
                 moments,
-                |_| (),
+                |_, _| (),
             )
             .map_err(|failure| PixelFailure {
                 pixel,

@@ -156,7 +156,7 @@ impl<E: TryEstimator<Value = DVec3>, S: Randomize> Integrator for RandomizedFilm
                     set,
                     NonFinite::Refuse,
                     &mut moments,
-                    |_| (),
+                    |_, _| (),
                 )
                 .map_err(|failure| PixelFailure {
                     pixel,

@@ -53,6 +53,8 @@ pub enum Reason {
 pub enum RunError<A, E> {
     /// It was not told properly when to end.
     Stop(StopError),
+    /// There is no method for so many dimensions: none, or more than 1,000.
+    Dimension(usize),
     /// The budget does not pay for the smallest first pass.
     Budget {
         /// What there was.
@@ -81,6 +83,9 @@ impl<A, E: fmt::Display> fmt::Display for RunError<A, E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Stop(error) => error.fmt(f),
+            Self::Dimension(dimension) => {
+                write!(f, "1 to 1000 dimensions, not {dimension}")
+            }
             Self::Budget { budget, needed } => write!(
                 f,
                 "a budget of {budget} samples, where the first pass takes {needed}"

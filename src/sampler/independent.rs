@@ -64,7 +64,7 @@ impl Independent {
 
 impl<R> Independent<R> {
     /// What its points belong to.
-    pub(super) const fn seed(&self) -> u64 {
+    pub(crate) const fn seed(&self) -> u64 {
         self.seed
     }
 
@@ -87,7 +87,7 @@ impl<R> Independent<R> {
 /// The points of one block of [`Independent`].
 #[derive(Clone, Debug)]
 pub struct IndependentStream<R = Pcg64Mcg> {
-    generator: R,
+    pub(super) generator: R,
 }
 
 impl<R: Rng> IndependentStream<R> {

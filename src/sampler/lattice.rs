@@ -36,6 +36,13 @@ use super::{Block, Coordinates, Independent, IndependentStream, Randomize, Sampl
 /// # Ok::<(), estimand::sampler::LatticeError>(())
 /// ```
 ///
+/// # Notes
+///
+/// No z is good for all sizes and all dimensions: of this one, z₁ + z₂ + z₃ + z₄ +
+/// 2z₅ = 103 · 2¹³, so that up to 2¹³ points cos 2π(x₁ + x₂ + x₃ + x₄ + 2x₅) looks
+/// like a constant. What depends on the sum of five coordinates wants more points, or
+/// a [`Sobol`](super::Sobol) net.
+///
 /// Source: Cools, Kuo & Nuyens, *Constructing embedded lattice rules for
 /// multivariate integration* (2006), for z; Cranley & Patterson,
 /// *Randomization of Number Theoretic Methods for Multiple Integration* (1976),

@@ -8,6 +8,7 @@
 mod adaptive_strata;
 mod halton;
 mod independent;
+mod independent_lanes;
 mod latin_hypercube;
 mod lattice;
 mod lattice_vector;
@@ -17,10 +18,12 @@ mod scrambling;
 mod sobol;
 mod stratified;
 mod unit_point;
+mod xoshiro;
 
 pub use adaptive_strata::{AdaptiveStrata, AdaptiveStrataError, AdaptiveStrataStream};
 pub use halton::{Halton, HaltonError, HaltonStream};
 pub use independent::{Independent, IndependentStream};
+pub use independent_lanes::{IndependentLanes, IndependentLanesStream};
 pub use latin_hypercube::{LatinHypercube, LatinHypercubeError, LatinHypercubeStream};
 pub use lattice::{Lattice, LatticeError, LatticeStream};
 pub use replay::{Replay, ReplayError, ReplayStream};
@@ -32,6 +35,9 @@ pub use sobol::{DigitalShift, LinearMatrix, Owen, Scramble, Sobol, SobolError, S
 pub(crate) use stratified::width;
 pub use stratified::{Stratified, StratifiedError, StratifiedStream};
 pub use unit_point::UnitPoint;
+pub use xoshiro::{X8Seed, Xoshiro256PlusX8};
+
+use crate::lanes::LANES;
 
 /// A run of consecutive points: those numbered `start .. start + len`.
 ///
@@ -99,6 +105,30 @@ pub trait Coordinates {
         let first = self.next_1d();
         [first, self.next_1d()]
     }
+
+    /// The next points, [`LANES`] side by side: coordinate k of the l-th of them
+    /// goes to `columns[k][l]`, k below `dim`; as many such groups, one after
+    /// the other, as there are `dim` columns for.
+    ///
+    /// Provided, one by one. The points are the same.
+    #[inline]
+    fn fill_lanes(&mut self, dim: usize, columns: &mut [[f64; LANES]]) {
+        for group in columns.chunks_exact_mut(dim.max(1)) {
+            for l in 0..LANES {
+                self.next_point();
+                for column in &mut *group {
+                    column[l] = self.next_1d();
+                }
+            }
+        }
+    }
+
+    /// How many points to read one by one before [`fill_lanes`](Self::fill_lanes)
+    /// is at its fastest. Provided: none.
+    #[inline]
+    fn until_lanes(&self) -> usize {
+        0
+    }
 }
 
 impl<C: Coordinates + ?Sized> Coordinates for &mut C {
@@ -113,6 +143,14 @@ impl<C: Coordinates + ?Sized> Coordinates for &mut C {
     #[inline]
     fn next_2d(&mut self) -> [f64; 2] {
         (**self).next_2d()
+    }
+    #[inline]
+    fn fill_lanes(&mut self, dim: usize, columns: &mut [[f64; LANES]]) {
+        (**self).fill_lanes(dim, columns);
+    }
+    #[inline]
+    fn until_lanes(&self) -> usize {
+        (**self).until_lanes()
     }
 }
 

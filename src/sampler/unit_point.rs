@@ -1,6 +1,7 @@
 //! Points of the unit cube that have a fixed size.
 
 use super::Coordinates;
+use crate::lanes::Lanes;
 
 /// A point of the unit cube of fixed dimension: `f64`, an array or a tuple of
 /// unit points. `()` has no coordinates.
@@ -14,7 +15,7 @@ use super::Coordinates;
 /// let halved = (0.5, [0.25, 1.0]).map(&mut |u| u / 2.0);
 /// assert_eq!(halved, (0.25, [0.125, 0.5]));
 /// ```
-pub trait UnitPoint: Copy {
+pub trait UnitPoint: Lanes {
     /// How many coordinates it has.
     const DIM: usize;
     /// The point whose coordinates are all 0.

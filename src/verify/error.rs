@@ -46,6 +46,8 @@ pub enum VerifyError {
     },
     /// Fewer than two cells are left to compare, after small ones were pooled.
     Cells(usize),
+    /// Weights that do not vary, all of them in bins: their sum has no error.
+    Weights,
     /// More axes than can be cut into cells.
     Dimension(usize),
     /// Fewer than two different sizes, or one of them 0.
@@ -111,6 +113,10 @@ impl fmt::Display for VerifyError {
             Self::Cells(cells) => write!(
                 f,
                 "{cells} cells after small ones were pooled, where it takes 2 to compare"
+            ),
+            Self::Weights => write!(
+                f,
+                "the weights do not vary, and all fell into bins: their counts say more"
             ),
             Self::Dimension(axes) => {
                 write!(f, "{axes} axes are more than can be cut into cells")

@@ -12,6 +12,7 @@
 //! | do two agree? | [`agree`], [`estimates`] of two answers |
 //! | how fast does the error fall? | [`rate`] |
 //! | do error bars cover as often as they say? | [`coverage`] |
+//! | do weighted histograms agree with known integrals? | [`binned`] |
 //! | do counts, do values follow what is expected? | [`frequencies`], [`kolmogorov_smirnov`] |
 //!
 //! Each takes a seed, and gives a [`Report`]: a p-value, and what it was taken
@@ -32,6 +33,7 @@
 //! that nobody picked, and answer a failure by looking for its cause. The level is
 //! how often something correct may fail over all seeds: 10⁻⁶ is as good as never.
 
+mod binned;
 mod coverage;
 mod density;
 mod error;
@@ -48,6 +50,7 @@ pub mod tail;
 mod units;
 mod welch;
 
+pub use binned::{Binned, binned};
 pub use coverage::{Coverage, coverage};
 pub use density::{Density, density};
 pub use error::VerifyError;

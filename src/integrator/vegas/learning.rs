@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::pdf::AdaptiveGridError;
+use crate::pdf::{AdaptiveGridError, MOST_CELLS};
 use crate::sampler::AdaptiveStrataError;
 
 /// How a grid and strata learn.
@@ -13,8 +13,7 @@ use crate::sampler::AdaptiveStrataError;
 /// use estimand::integrator::Learning;
 ///
 /// let slower = Learning { alpha: 0.2, passes: 20, ..Learning::default() };
-/// let frozen = Learning { passes: 0, ..Learning::default() };
-/// assert_eq!((slower.cells, frozen.beta), (1000, 0.5));
+/// assert_eq!((slower.cells, Learning::frozen().passes), (1000, 0));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Learning {
@@ -47,11 +46,24 @@ impl Default for Learning {
     }
 }
 
+impl Learning {
+    /// No lessons: a grid that was supplied stays as it is, to the bit, and all of a
+    /// budget goes into the answer. The strata learn all the same.
+    #[must_use]
+    pub fn frozen() -> Self {
+        Self {
+            passes: 0,
+            share: 0.0,
+            ..Self::default()
+        }
+    }
+}
+
 /// Why [`Vegas`](super::Vegas) was refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum VegasError {
-    /// The grid could not be made, or its α is out of range.
+    /// The grid could not be made, or its α or its number of cells is out of range.
     Grid(AdaptiveGridError),
     /// The strata could not be made, or their β is out of range.
     Strata(AdaptiveStrataError),
@@ -100,6 +112,9 @@ impl Learning {
         if !(0.0..=1.0).contains(&self.alpha) {
             return Err(VegasError::Grid(AdaptiveGridError::Step(self.alpha)));
         }
+        if !(1..=MOST_CELLS).contains(&self.cells) {
+            return Err(VegasError::Grid(AdaptiveGridError::Cells(self.cells)));
+        }
         if !(0.0..=1.0).contains(&self.beta) {
             return Err(VegasError::Strata(AdaptiveStrataError::Exponent(self.beta)));
         }
@@ -143,11 +158,8 @@ mod tests {
             assert!(lessons as f64 <= 0.3 * budget as f64);
             assert!(round.lessons.iter().all(|&n| n >= 50));
         }
-        let frozen = Learning {
-            passes: 0,
-            ..Learning::default()
-        };
-        assert!(frozen.round(1_000_000).lessons.is_empty());
+        let frozen = Learning::frozen().round(1_000_000);
+        assert_eq!((frozen.lessons.len(), frozen.answer), (0, 250_000));
     }
 
     #[test]
@@ -160,6 +172,14 @@ mod tests {
         assert_eq!(
             with(|l| l.alpha = 1.5),
             Err("the step α must lie in [0, 1], not be 1.5".into())
+        );
+        assert_eq!(
+            with(|l| l.alpha = f64::NAN),
+            Err("the step α must lie in [0, 1], not be NaN".into())
+        );
+        assert_eq!(
+            with(|l| l.cells = 0),
+            Err("0 cells an axis, not 1 to 1048576".into())
         );
         assert_eq!(
             with(|l| l.beta = f64::NAN),

@@ -12,14 +12,15 @@ pub use pass::VegasPass;
 use core::ops::ControlFlow;
 
 use super::{Integrator, NonFinite, SampleError};
-use crate::estimate::{Consistency, ErrorSource, Estimate, Tolerance};
+use crate::estimate::{Consistency, ErrorSource, Estimate, Evidence, Tail, Tolerance};
 use crate::estimator::{Mapped, TryEstimator};
 use crate::merge::Merge;
 use crate::pdf::AdaptiveGrid;
 use crate::sampler::{AdaptiveStrata, Block};
 use crate::value::{Components, Value};
 use learning::Round;
-use sweep::{Sweep, SweepPartial, Wide};
+pub use sweep::SweepPartial;
+use sweep::{Sweep, Wide};
 
 /// VEGAS+: an [`AdaptiveGrid`] that learns where the integrand is large, and
 /// [`AdaptiveStrata`] that learn where, behind the grid, it still varies.
@@ -36,6 +37,9 @@ use sweep::{Sweep, SweepPartial, Wide};
 /// the strata have learned before it: so is the answer. (Inverse-variance weights
 /// would favour passes that happen to have missed something.) Strata learn all the
 /// way.
+///
+/// An integrand that is 0 wherever it was looked at has the answer 0(0): nothing
+/// can be learned from it, and nothing tells it from one whose peak was missed.
 ///
 /// All components of a vector are learned from, each in units of its largest
 /// value so far.
@@ -91,6 +95,10 @@ pub struct Vegas<E: TryEstimator> {
     /// σₘ of the present strata; empty while nothing is known of them.
     spreads: Vec<f64>,
     passes: Vec<VegasPass<Wide<E>>>,
+    /// The largest values of the answer, and from how many effective samples the
+    /// grid learned last.
+    tail: Tail<Wide<E>>,
+    lesson: f64,
     spent: u64,
     /// How the present round spends its budget, and its passes so far.
     round: Round,
@@ -142,11 +150,16 @@ impl<E: TryEstimator> Vegas<E> {
     }
 
     /// Goes on from a `grid` that has learned already, in another run or on
-    /// another integrand, or that will not learn any more.
+    /// another integrand, or that will not learn any more
+    /// ([`Learning::frozen`]).
+    ///
+    /// The first pass sees the grid as it is. If that is a lesson, the grid is cut
+    /// anew after it, like any other, into as many cells as samples can tell apart:
+    /// one that knows more than a budget can teach is better frozen.
     ///
     /// # Errors
     ///
-    /// α and β lie in [0, 1], the share in [0, 1).
+    /// α and β lie in [0, 1], the share in [0, 1), 1 ≤ cells ≤ 2²⁰.
     pub fn from_grid(
         estimator: E,
         grid: AdaptiveGrid,
@@ -166,6 +179,8 @@ impl<E: TryEstimator> Vegas<E> {
             scales,
             spreads: Vec::new(),
             passes: Vec::new(),
+            tail: Tail::new(),
+            lesson: f64::INFINITY,
             spent: 0,
             round: Round::default(),
             done: 0,
@@ -236,7 +251,8 @@ impl<E: TryEstimator> Vegas<E> {
                 answers: 1,
             }
         };
-        if let (true, Some(&first)) = (self.spent == 0, self.round.lessons.first()) {
+        // The identity has as many cells as are wanted; any other grid is as it is.
+        if let (1, Some(&first)) = (self.mapped.grid.cells(), self.round.lessons.first()) {
             let cells = self.cells_for(first);
             self.mapped.grid = self.mapped.grid.with_cells(cells);
         }
@@ -245,7 +261,7 @@ impl<E: TryEstimator> Vegas<E> {
     /// How many cells a lesson of so many samples can tell apart.
     fn cells_for(&self, samples: u64) -> usize {
         let cells = usize::try_from(samples / PER_CELL).unwrap_or(usize::MAX);
-        cells.clamp(1, self.learning.cells.max(1))
+        cells.clamp(1, self.learning.cells)
     }
 
     /// Lays the strata out for a pass of `samples` samples, and returns whether
@@ -301,6 +317,8 @@ impl<E: TryEstimator> Vegas<E> {
             capped: plan.capped,
             cells: self.mapped.grid.cells(),
         });
+        self.tail.merge(pass.strata.tail);
+        self.tail.settle();
         let largest = estimate.moments.largest().components();
         for (scale, x) in self.scales.as_mut().iter_mut().zip(largest.as_ref()) {
             *scale = if x.is_normal() { 1.0 / x } else { *scale };
@@ -308,7 +326,8 @@ impl<E: TryEstimator> Vegas<E> {
         if plan.lesson {
             let following = self.round.lessons.get(self.done);
             let cells = following.map_or(self.mapped.grid.cells(), |&n| self.cells_for(n));
-            let telling = pass.histogram.effective_samples() * PER_EFFECTIVE;
+            self.lesson = pass.histogram.effective_samples();
+            let telling = self.lesson * PER_EFFECTIVE;
             let cells = cells.min(FEWEST_CELLS.max(telling as usize));
             // Nothing is refused here: α has been checked, the shape is its own.
             let refined = self
@@ -393,6 +412,7 @@ impl<E: TryEstimator> Integrator for Vegas<E> {
             scales: &self.scales,
             non_finite: self.non_finite,
             lesson: self.plan.lesson,
+            tail: &self.tail,
         };
         let block = Block {
             index: self.next + index,
@@ -436,10 +456,17 @@ impl<E: TryEstimator> Integrator for Vegas<E> {
 
     fn meets(&self, tolerance: &Tolerance) -> bool {
         self.passes.last().is_some_and(|pass| !pass.lesson)
-            && self.answer().is_some_and(|e| tolerance.is_met_by(&e))
+            && pass::answer(&self.passes).is_some_and(|e| tolerance.is_met_by(&e))
     }
 
     fn answer(&self) -> Option<Self::Answer> {
-        pass::answer(&self.passes)
+        let answer = pass::answer(&self.passes)?;
+        let mut evidence = Evidence::of(&self.tail, &answer.moments)
+            .with_agreement(|k| Some(self.consistency(k)?.q))
+            .with_lesson(self.lesson);
+        if let [Some(first), Some(last)] = pass::halves(&self.passes) {
+            evidence = evidence.with_parts(&first, &last);
+        }
+        Some(answer.with_evidence(evidence))
     }
 }

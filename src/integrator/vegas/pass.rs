@@ -27,8 +27,19 @@ pub struct VegasPass<V: Value> {
 /// The mean of the passes that are not lessons, each weighed by its samples;
 /// while there is none, the last lesson.
 pub(super) fn answer<V: Value>(passes: &[VegasPass<V>]) -> Option<Estimate<V>> {
-    let frozen = passes.iter().filter(|p| !p.lesson).map(|p| p.estimate);
-    Estimate::pooled(frozen).or_else(|| passes.last().map(|p| p.estimate))
+    Estimate::pooled(frozen(passes).into_iter()).or_else(|| passes.last().map(|p| p.estimate))
+}
+
+fn frozen<V: Value>(passes: &[VegasPass<V>]) -> Vec<Estimate<V>> {
+    let frozen = passes.iter().filter(|p| !p.lesson);
+    frozen.map(|p| p.estimate).collect()
+}
+
+/// What the first half of the passes of the answer found, and what the last.
+pub(super) fn halves<V: Value>(passes: &[VegasPass<V>]) -> [Option<Estimate<V>>; 2] {
+    let frozen = frozen(passes);
+    let (first, last) = frozen.split_at(frozen.len() / 2);
+    [first, last].map(|half| Estimate::pooled(half.iter().copied()))
 }
 
 /// Of one component; `None` of fewer than two passes with error bars, or if there

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::sweep::{SweepPartial, Wide};
 use super::{Plan, Round, Vegas, VegasPass};
+use crate::estimate::Tail;
 use crate::estimator::TryEstimator;
 use crate::integrator::{Fingerprint, Resumable, StateError};
 use crate::pdf::AdaptiveGrid;
@@ -23,6 +24,9 @@ pub struct VegasState<V: Value, E> {
     spreads: Vec<f64>,
     #[serde(with = "crate::serial::components")]
     scales: V::Components,
+    tail: Tail<V>,
+    /// Effective samples of the last lesson.
+    lesson: f64,
     passes: Vec<VegasPass<V>>,
     spent: u64,
     round: Round,
@@ -55,13 +59,15 @@ impl<E: TryEstimator> Resumable for Vegas<E> {
                 self.spreads.clone()
             },
             scales: self.scales,
+            tail: self.tail.clone(),
+            lesson: self.lesson,
             passes: self.passes.clone(),
             spent: self.spent,
             round: self.round.clone(),
             done: self.done,
             plan: self.plan,
             open: self.open.as_ref().map(|open| SweepPartial {
-                strata: open.strata,
+                strata: open.strata.clone(),
                 spreads: open.spreads.clone(),
                 histogram: open.histogram.clone(),
                 taken: open.taken,
@@ -94,6 +100,7 @@ impl<E: TryEstimator> Resumable for Vegas<E> {
         }
         (self.mapped.grid, self.strata) = (grid, strata);
         (self.spreads, self.scales) = (state.spreads, state.scales);
+        (self.tail, self.lesson) = (state.tail, state.lesson);
         (self.passes, self.spent) = (state.passes, state.spent);
         (self.round, self.done) = (state.round, state.done);
         (self.plan, self.open) = (state.plan, state.open);

@@ -3,7 +3,7 @@
 use core::cell::RefCell;
 use core::ops::{ControlFlow, Range};
 
-use crate::estimate::Moments;
+use crate::estimate::{Moments, Tail};
 use crate::estimator::{Location, Mapped, TryEstimator, through};
 use crate::integrator::NonFinite;
 use crate::integrator::sample_block::{is_finite, sample_block};
@@ -30,6 +30,8 @@ pub(super) struct Sweep<'a, E: TryEstimator> {
     pub non_finite: NonFinite,
     /// Whether the grid learns from it.
     pub lesson: bool,
+    /// The largest values of the answer so far.
+    pub tail: &'a Tail<Wide<E>>,
 }
 
 impl<E: TryEstimator> Sweep<'_, E> {
@@ -37,7 +39,13 @@ impl<E: TryEstimator> Sweep<'_, E> {
     pub(super) fn block(&self, strata: Range<usize>, block: Block) -> Swept<E> {
         let mut moments = Moments::new();
         let mut walk = Walk::new(self.strata, strata, self.scales.as_ref());
-        let see = |slice: &[Wide<E>]| walk.over(slice);
+        let mut tail = self.tail.continued();
+        let see = |moments: &Moments<Wide<E>>, slice: &[Wide<E>]| {
+            walk.over(slice);
+            if !self.lesson {
+                tail.push_last_of(moments, slice);
+            }
+        };
         let (failure, histogram) = if self.lesson {
             let pupil = Pupil::new(self.mapped, self.scales.as_ref());
             let result = sample_block(
@@ -65,6 +73,7 @@ impl<E: TryEstimator> Sweep<'_, E> {
         let taken = moments.count() + moments.non_finite();
         let mut strata = walk.sums;
         strata.moments = moments;
+        strata.tail = tail;
         let partial = SweepPartial {
             strata,
             spreads: walk.spreads,
@@ -88,7 +97,7 @@ struct Pupil<'a, E> {
 }
 
 struct Notes {
-    /// Those of the sample at hand.
+    /// Those of the sample at hand, along the axes that it has read.
     cells: Vec<usize>,
     histogram: GridHistogram,
 }
@@ -96,7 +105,7 @@ struct Notes {
 impl<'a, E> Pupil<'a, E> {
     fn new(mapped: &'a Mapped<E>, scales: &'a [f64]) -> Self {
         let notes = Notes {
-            cells: vec![0; mapped.grid.dimension()],
+            cells: Vec::with_capacity(mapped.grid.dimension()),
             histogram: GridHistogram::of(&mapped.grid),
         };
         Self {
@@ -116,9 +125,8 @@ impl<E: TryEstimator> TryEstimator for Pupil<'_, E> {
         // Borrowed while the integrand runs: it cannot get at this pupil.
         let notes = &mut *self.notes.borrow_mut();
         let Mapped { grid, estimator } = self.mapped;
-        let value = through(grid, estimator, u, |axis, node| {
-            notes.cells[axis] = node.cell;
-        })?;
+        notes.cells.clear();
+        let value = through(grid, estimator, u, |_, node| notes.cells.push(node.cell))?;
         let square = |(x, scale): (&f64, &f64)| (x * scale) * (x * scale);
         let components = value.components();
         let terms = components.as_ref().iter().zip(self.scales).map(square);
@@ -234,5 +242,36 @@ impl<V: Value, E> Merge for SweepPartial<V, E> {
         self.histogram.merge(right.histogram);
         self.taken += right.taken;
         self.failure = self.failure.take().or(right.failure);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimator::FromFn;
+    use crate::pdf::AdaptiveGrid;
+    use crate::sampler::{Replay, Sampler};
+
+    /// A coordinate that a sample does not read tells nothing of it: not even where
+    /// the sample before has read it.
+    #[test]
+    fn what_is_not_read_is_not_learned_from() {
+        let estimator = FromFn(|u: &mut dyn Coordinates| match u.next_1d() {
+            x if x < 0.5 => 3.0,
+            _ => 1.0 + u.next_1d(),
+        });
+        let mapped = Mapped::new(AdaptiveGrid::new(2, 2).unwrap(), estimator);
+        let pupil = Pupil::new(&mapped, &[1.0]);
+        let replay = Replay::new([[0.75, 0.5], [0.25, 0.0]]).unwrap();
+        let (index, start, len) = (0, 0, 2);
+        let mut points = replay.stream(Block { index, start, len });
+        for value in [1.5, 3.0] {
+            points.next_point();
+            assert_eq!(pupil.try_estimate(&mut points), Ok(value));
+        }
+        let mut expected = GridHistogram::of(&mapped.grid);
+        expected.add(&[1, 1], 1.5 * 1.5);
+        expected.add(&[0], 3.0 * 3.0);
+        assert_eq!(pupil.notes.into_inner().histogram, expected);
     }
 }

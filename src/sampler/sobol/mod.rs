@@ -80,23 +80,24 @@ pub struct Sobol<S: Digits = Unscrambled> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SobolError {
-    /// No dimension is asked for.
-    NoDimensions,
-    /// More dimensions are asked for than the table has.
-    TooManyDimensions {
-        /// How many.
-        dimensions: usize,
+    /// A net needs at least one dimension.
+    NoDimension,
+    /// More than the 1,024 dimensions that there are.
+    Dimension {
+        /// The dimensions asked for.
+        dimension: usize,
+        /// How many there are.
+        most: usize,
     },
 }
 
 impl fmt::Display for SobolError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoDimensions => write!(f, "a net of 0 dimensions was asked for"),
-            Self::TooManyDimensions { dimensions } => write!(
-                f,
-                "a net of {dimensions} dimensions was asked for, and {DIMENSIONS} are known"
-            ),
+            Self::NoDimension => write!(f, "a net of 0 dimensions was asked for"),
+            Self::Dimension { dimension, most } => {
+                write!(f, "{dimension} dimensions, where there are {most}")
+            }
         }
     }
 }
@@ -113,14 +114,15 @@ impl Sobol {
     ///
     /// There is at least one dimension, and at most
     /// [`Sobol::MAX_DIMENSIONS`].
-    pub fn new(dimensions: usize) -> Result<Self, SobolError> {
-        if dimensions == 0 {
-            return Err(SobolError::NoDimensions);
+    pub fn new(dimension: usize) -> Result<Self, SobolError> {
+        if dimension == 0 {
+            return Err(SobolError::NoDimension);
         }
-        if dimensions > DIMENSIONS {
-            return Err(SobolError::TooManyDimensions { dimensions });
+        if dimension > DIMENSIONS {
+            let most = DIMENSIONS;
+            return Err(SobolError::Dimension { dimension, most });
         }
-        Ok(Self::over(&Columns::new(dimensions), 0))
+        Ok(Self::over(&Columns::new(dimension), 0))
     }
 
     /// The same net, randomised by a scrambling that belongs to `seed`. Any
@@ -149,7 +151,7 @@ impl<S: Digits> Sobol<S> {
     /// In how many dimensions the points form a net; those beyond are
     /// independent.
     #[must_use]
-    pub const fn dimensions(&self) -> usize {
+    pub const fn dimension(&self) -> usize {
         self.net.columns.dimensions
     }
 }
@@ -272,10 +274,10 @@ mod tests {
 
     #[test]
     fn refuses_dimensions_that_are_not_known() {
-        assert_eq!(Sobol::new(0).err(), Some(SobolError::NoDimensions));
-        let dimensions = DIMENSIONS + 1;
-        let error = Sobol::new(dimensions).err();
-        assert_eq!(error, Some(SobolError::TooManyDimensions { dimensions }));
+        assert_eq!(Sobol::new(0).err(), Some(SobolError::NoDimension));
+        let (dimension, most) = (DIMENSIONS + 1, DIMENSIONS);
+        let error = Sobol::new(dimension).err();
+        assert_eq!(error, Some(SobolError::Dimension { dimension, most }));
         assert!(error.unwrap().to_string().contains("1025"));
     }
 }

@@ -1,0 +1,144 @@
+//! What a diagnosis needs and moments don't hold.
+
+use super::pareto::{FEWEST, Pareto};
+use super::{Estimate, Moments, Tail};
+use crate::value::{Components, Value};
+
+/// What stands behind an [`Estimate`](super::Estimate) besides its moments, by
+/// component: how heavy its tail is, whether its parts agree.
+///
+/// [`Estimate::diagnosis`](super::Estimate::diagnosis) judges it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
+pub struct Evidence<V: Value> {
+    /// k̂ of the largest |f/p|, and its standard error; −∞ and 0 where there is none.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
+    pub(super) shape: V::Components,
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
+    pub(super) shape_error: V::Components,
+    /// What part of Σ (x − x̄)² the values have that k̂ was fitted to.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
+    pub(super) tail_share: V::Components,
+    /// That of the largest |x| alone.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
+    pub(super) largest_share: V::Components,
+    /// Q, the probability that parts of the run differ by more.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
+    pub(super) agreement: V::Components,
+    /// By how many standard errors |⟨I⟩| grew from the first part to the last.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
+    pub(super) growth: V::Components,
+    /// How many effective samples a map learned from; ∞ where nothing was learned.
+    pub(super) lesson: f64,
+}
+
+impl<V: Value> Default for Evidence<V> {
+    fn default() -> Self {
+        let filled = |x: f64| {
+            let mut components = V::Components::ZERO;
+            components.as_mut().fill(x);
+            components
+        };
+        Self {
+            shape: filled(f64::NEG_INFINITY),
+            shape_error: V::Components::ZERO,
+            tail_share: V::Components::ZERO,
+            largest_share: V::Components::ZERO,
+            agreement: filled(1.0),
+            growth: V::Components::ZERO,
+            lesson: f64::INFINITY,
+        }
+    }
+}
+
+impl<V: Value> Evidence<V> {
+    /// What the largest of the values say that have these moments.
+    pub(crate) fn of(tail: &Tail<V>, moments: &Moments<V>) -> Self {
+        let mut evidence = Self::default();
+        for k in 0..V::Components::COUNT {
+            let moments = moments.component(k);
+            let largest = tail.largest(k);
+            // Of some of the values, or all of them.
+            let n = tail.seen() as f64;
+            let spread = moments.sum_of_squares();
+            let part = n / (moments.count() + moments.non_finite()) as f64;
+            let share = |values: &[f64], part: f64| {
+                let mean = moments.mean().abs();
+                let apart = values.iter().map(|x| (x - mean) * (x - mean));
+                let share = apart.sum::<f64>() / (spread * part);
+                if share.is_nan() { 0.0 } else { share.min(1.0) }
+            };
+            evidence.largest_share.as_mut()[k] = share(&[moments.largest()], 1.0);
+            // As many as in Pareto smoothing.
+            let points = (3.0 * n.sqrt()).min(n / 5.0) as usize;
+            let points = points.min(largest.len().saturating_sub(1));
+            if points < FEWEST {
+                continue;
+            }
+            if let Some(fit) = Pareto::fit(&largest[..points], largest[points]) {
+                evidence.shape.as_mut()[k] = fit.shape;
+                evidence.shape_error.as_mut()[k] = fit.standard_error();
+                evidence.tail_share.as_mut()[k] = share(&largest[..points], part);
+            }
+        }
+        evidence
+    }
+
+    /// The same, of a run whose first and last part, each by itself, found this.
+    pub(crate) fn with_parts(mut self, first: &Estimate<V>, last: &Estimate<V>) -> Self {
+        for k in 0..V::Components::COUNT {
+            if let (Some(first), Some(last)) = (first.component(k), last.component(k)) {
+                let error = first.standard_error.hypot(last.standard_error);
+                let growth = (last.mean.abs() - first.mean.abs()) / error;
+                // Nothing is said by 0/0 or ∞/∞.
+                self.growth.as_mut()[k] = if growth.is_nan() { 0.0 } else { growth };
+            }
+        }
+        self
+    }
+
+    /// The same, of parts that differ by more with probability q(k) in component k.
+    pub(crate) fn with_agreement(mut self, q: impl Fn(usize) -> Option<f64>) -> Self {
+        for (k, agreement) in self.agreement.as_mut().iter_mut().enumerate() {
+            *agreement = q(k).filter(|q| !q.is_nan()).unwrap_or(1.0);
+        }
+        self
+    }
+
+    /// The same, of a map that learned from so many effective samples.
+    pub(crate) const fn with_lesson(mut self, effective: f64) -> Self {
+        self.lesson = effective;
+        self
+    }
+
+    /// The same, of a value that has the same components.
+    pub(crate) fn retyped<U: Value<Components = V::Components>>(self) -> Evidence<U> {
+        Evidence {
+            shape: self.shape,
+            shape_error: self.shape_error,
+            tail_share: self.tail_share,
+            largest_share: self.largest_share,
+            agreement: self.agreement,
+            growth: self.growth,
+            lesson: self.lesson,
+        }
+    }
+
+    /// That of one component, which exists.
+    pub(super) fn component(&self, k: usize) -> Evidence<f64> {
+        let of = |c: &V::Components| [c.as_ref()[k]];
+        Evidence {
+            shape: of(&self.shape),
+            shape_error: of(&self.shape_error),
+            tail_share: of(&self.tail_share),
+            largest_share: of(&self.largest_share),
+            agreement: of(&self.agreement),
+            growth: of(&self.growth),
+            lesson: self.lesson,
+        }
+    }
+}

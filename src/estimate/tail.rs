@@ -1,0 +1,272 @@
+//! The largest primary estimates.
+
+use core::marker::PhantomData;
+
+use super::Moments;
+use crate::merge::Merge;
+use crate::value::{Components, Value};
+
+/// The largest |f/p| of a run, by component, from which its
+/// [`Diagnosis`](super::Diagnosis) reads how heavy the tail is.
+///
+/// The largest values of a union are the largest of the largest of its parts: in
+/// whatever order parts are merged, the same values are kept. Whatever is not finite
+/// in some component is passed over.
+///
+/// # Example
+///
+/// ```
+/// use estimand::estimate::Tail;
+///
+/// let mut tail = Tail::<f64>::new();
+/// tail.push_all(&[1.0, -3.0, 2.0]);
+/// assert_eq!(tail.largest(0), [3.0, 2.0, 1.0]);
+/// ```
+#[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
+pub struct Tail<V: Value> {
+    /// By component, or nothing yet: those that may belong to the largest, and now
+    /// and then no others.
+    kept: Vec<Vec<f64>>,
+    /// What a component has to exceed to be among the largest.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
+    floor: V::Components,
+    /// How many values there were.
+    seen: u64,
+    value: PhantomData<V>,
+}
+
+/// So many are kept of each component.
+pub(super) const KEPT: usize = 256;
+/// So many are collected before the largest of them are told from the rest.
+const COLLECTED: usize = 4 * KEPT;
+/// How many values are compared at once.
+const LANES: usize = 4;
+/// A slice with a large value is searched in pieces of this length.
+const PIECE: usize = 16;
+
+impl<V: Value> Default for Tail<V> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<V: Value> Tail<V> {
+    /// Of nothing.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            kept: Vec::new(),
+            floor: V::Components::ZERO,
+            seen: 0,
+            value: PhantomData,
+        }
+    }
+
+    /// Of nothing, for values that are to be merged into these: what cannot be among
+    /// the largest of both is not kept in the first place.
+    pub(crate) const fn continued(&self) -> Self {
+        Self {
+            kept: Vec::new(),
+            floor: self.floor,
+            seen: 0,
+            value: PhantomData,
+        }
+    }
+
+    /// Adds a slice of values.
+    #[inline]
+    pub fn push_all(&mut self, values: &[V]) {
+        self.seen += values.len() as u64;
+        if self.is_exceeded_by(values) {
+            self.insert(values);
+        }
+    }
+
+    /// Adds a slice of values that are the last of those that have these moments:
+    /// while none of all is large, there is nothing to look for.
+    #[inline]
+    pub(crate) fn push_last_of(&mut self, moments: &Moments<V>, values: &[V]) {
+        if moments.largest_exceeds(&self.floor) {
+            self.push_all(values);
+        } else {
+            self.seen += values.len() as u64;
+        }
+    }
+
+    /// How many values were added.
+    pub(super) const fn seen(&self) -> u64 {
+        self.seen
+    }
+
+    /// Whether any component of any of these is larger than its floor.
+    #[inline]
+    fn is_exceeded_by(&self, values: &[V]) -> bool {
+        if V::Components::COUNT == 1 {
+            return largest_scalar(values) > self.floor.as_ref()[0];
+        }
+        let mut exceeded = false;
+        for value in values {
+            let components = value.components();
+            for (x, floor) in components.as_ref().iter().zip(self.floor.as_ref()) {
+                exceeded |= x.abs() > *floor;
+            }
+        }
+        exceeded
+    }
+
+    /// The slow way, for a slice in which something is large.
+    #[inline(never)]
+    fn insert(&mut self, values: &[V]) {
+        if self.kept.is_empty() {
+            self.kept.resize(V::Components::COUNT, Vec::new());
+        }
+        for piece in values.chunks(PIECE) {
+            if !self.is_exceeded_by(piece) {
+                continue;
+            }
+            for value in piece {
+                let components = value.components();
+                let components = components.as_ref();
+                if !components.iter().all(|x| x.is_finite()) {
+                    continue;
+                }
+                for (k, x) in components.iter().enumerate() {
+                    if x.abs() > self.floor.as_ref()[k] {
+                        self.kept[k].push(x.abs());
+                        self.prune(k);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Keeps the largest alone, once there are many others.
+    #[inline]
+    fn prune(&mut self, k: usize) {
+        if self.kept[k].len() >= COLLECTED {
+            self.keep_largest(k);
+        }
+    }
+
+    /// Keeps the largest alone, so that what is to be merged has to be as large.
+    pub(crate) fn settle(&mut self) {
+        for k in 0..self.kept.len() {
+            self.keep_largest(k);
+        }
+    }
+
+    fn keep_largest(&mut self, k: usize) {
+        let kept = &mut self.kept[k];
+        if kept.len() >= KEPT {
+            let (_, floor, _) = kept.select_nth_unstable_by(KEPT - 1, |a, b| b.total_cmp(a));
+            self.floor.as_mut()[k] = *floor;
+            kept.truncate(KEPT);
+        }
+    }
+
+    /// The largest magnitudes of a component, 256 at most, from the largest down.
+    #[must_use]
+    pub fn largest(&self, component: usize) -> Vec<f64> {
+        let mut largest = self.kept.get(component).cloned().unwrap_or_default();
+        largest.sort_unstable_by(|a, b| b.total_cmp(a));
+        largest.truncate(KEPT);
+        largest
+    }
+}
+
+impl<V: Value> Merge for Tail<V> {
+    fn merge(&mut self, right: Self) {
+        self.seen += right.seen;
+        for (floor, other) in self.floor.as_mut().iter_mut().zip(right.floor.as_ref()) {
+            *floor = floor.max(*other);
+        }
+        if self.kept.is_empty() {
+            self.kept = right.kept;
+            return;
+        }
+        for (k, mut other) in right.kept.into_iter().enumerate() {
+            self.kept[k].append(&mut other);
+            self.prune(k);
+        }
+    }
+}
+
+/// max |x|, those that are NaN left out.
+#[inline]
+fn largest_scalar<V: Value>(values: &[V]) -> f64 {
+    let larger = |x: f64, y: f64| if x > y { x } else { y };
+    let of = |value: &V| value.components().as_ref()[0].abs();
+    let mut largest = [0.0; LANES];
+    let fours = values.chunks_exact(LANES);
+    let rest = fours.remainder();
+    for four in fours {
+        largest = core::array::from_fn(|l| larger(of(&four[l]), largest[l]));
+    }
+    let rest = rest.iter().map(of);
+    rest.chain(largest).fold(0.0, |max, x| larger(x, max))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn of(values: &[[f64; 2]]) -> Tail<[f64; 2]> {
+        let mut tail = Tail::new();
+        values.chunks(100).for_each(|slice| tail.push_all(slice));
+        tail
+    }
+
+    fn expected(values: &[[f64; 2]], k: usize) -> Vec<f64> {
+        let finite = values.iter().filter(|v| v.iter().all(|x| x.is_finite()));
+        let mut all: Vec<f64> = finite.map(|v| v[k].abs()).filter(|x| *x > 0.0).collect();
+        all.sort_by(|a, b| b.total_cmp(a));
+        all.truncate(KEPT);
+        all
+    }
+
+    proptest! {
+        #[test]
+        fn merged_in_any_order_the_same_values_are_kept(
+            bits in prop::collection::vec(any::<[f64; 2]>(), 0..3_000),
+            cuts in prop::collection::vec(0..3_000_usize, 0..6),
+        ) {
+            let mut cuts: Vec<usize> = cuts.iter().map(|c| c % (bits.len() + 1)).collect();
+            cuts.extend([0, bits.len()]);
+            cuts.sort_unstable();
+            let parts = || cuts.windows(2).map(|w| of(&bits[w[0]..w[1]]));
+            let mut forwards = Tail::new();
+            parts().for_each(|part| forwards.merge(part));
+            let mut backwards = Tail::new();
+            parts().rev().for_each(|part| {
+                backwards.merge(part);
+                backwards.settle();
+            });
+            for k in 0..2 {
+                let expected = expected(&bits, k);
+                prop_assert_eq!(&forwards.largest(k), &expected);
+                prop_assert_eq!(&backwards.largest(k), &expected);
+            }
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_among_the_largest_need_not_be_kept() {
+        let values: Vec<f64> = (0..5_000).map(|i| f64::from(i * 7_919 % 5_003)).collect();
+        let (first, last) = values.split_at(2_000);
+        let mut tail = Tail::<f64>::new();
+        tail.push_all(first);
+        tail.settle();
+        let mut rest = tail.continued();
+        rest.push_all(last);
+        tail.merge(rest);
+        let mut all = Tail::<f64>::new();
+        all.push_all(&values);
+        assert_eq!((tail.largest(0), tail.seen()), (all.largest(0), 5_000));
+    }
+}

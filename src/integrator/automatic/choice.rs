@@ -1,0 +1,98 @@
+//! Which method was chosen, and why.
+
+use core::fmt;
+
+/// A way to spend a budget.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Method {
+    /// [`MonteCarlo`](crate::integrator::MonteCarlo) on independent points.
+    Plain,
+    /// Scrambled Sobol' nets ([`RandomizedQmc`](crate::integrator::RandomizedQmc)).
+    Net,
+    /// The same through a grid that has learned and then stands still
+    /// ([`Mapped`](crate::estimator::Mapped)).
+    MappedNet,
+    /// Nets through a mixture of normal densities that has found peaks.
+    Peaks,
+    /// VEGAS+ ([`Vegas`](crate::integrator::Vegas)).
+    Strata,
+    /// Adaptive cubature ([`Adaptive`](crate::quadrature::Adaptive)).
+    Cubature,
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Plain => "plain Monte Carlo",
+            Self::Net => "scrambled nets",
+            Self::MappedNet => "nets through a learned map",
+            Self::Peaks => "nets on peaks",
+            Self::Strata => "VEGAS+",
+            Self::Cubature => "adaptive cubature",
+        })
+    }
+}
+
+/// Why a method was chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Why {
+    /// It promises the smallest error.
+    SmallestError,
+    /// A budget too small for a pilot.
+    SmallBudget,
+    /// Every value of the pilot was 0: nothing was learned, and points were spread
+    /// evenly. The integrand may be different from 0 where none of them fell.
+    AllZero,
+}
+
+impl fmt::Display for Why {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::SmallestError => "it promises the smallest error",
+            Self::SmallBudget => "the budget is too small for a pilot",
+            Self::AllZero => "every value of the pilot is 0",
+        })
+    }
+}
+
+/// What a method promises: its standard error, had it the budget that the pilot
+/// left.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Promise<W> {
+    /// Which method.
+    pub method: Method,
+    /// The standard error of each component.
+    pub error: W,
+}
+
+/// Which method was chosen, why, and what the others promised.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice<W> {
+    /// The method that gave the answer.
+    pub method: Method,
+    /// Why.
+    pub why: Why,
+    /// What each method that was tried promised, the chosen one included, the best
+    /// first.
+    pub promises: Vec<Promise<W>>,
+    /// How many evaluations the pilot took that are no part of the answer, and
+    /// taught the method that was chosen nothing.
+    pub pilot: u64,
+}
+
+impl<W: fmt::Debug> fmt::Display for Choice<W> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.method, self.why)?;
+        for (i, promise) in self.promises.iter().enumerate() {
+            let before = if i == 0 { " (" } else { ", " };
+            write!(f, "{before}{} ±{:.1?}", promise.method, promise.error)?;
+        }
+        if self.promises.is_empty() {
+            Ok(())
+        } else {
+            f.write_str(")")
+        }
+    }
+}

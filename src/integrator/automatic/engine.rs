@@ -1,0 +1,235 @@
+//! One of several integrators, as one.
+
+use core::ops::ControlFlow;
+
+use super::boxes::{Boxes, BoxesPartial};
+use super::by::{By, Wide};
+use super::mixed::Mixed;
+use super::mixture::Mixture;
+use super::search::{Search, SearchPartial};
+use crate::estimate::{Estimate, Moments, Tolerance};
+use crate::estimator::{Mapped, TryEstimator};
+use crate::integrator::monte_carlo::MonteCarloPartial;
+use crate::integrator::randomized_qmc::RandomizedQmcPartial;
+use crate::integrator::vegas::SweepPartial;
+use crate::integrator::{
+    Integrator, Learning, MonteCarlo, NonFinite, RandomizedQmc, ReplicateError, SampleError, Vegas,
+};
+use crate::merge::Merge;
+use crate::pdf::AdaptiveGrid;
+use crate::sampler::{Independent, Owen, Sobol};
+use crate::value::Value;
+
+/// One integrator of several.
+pub(super) enum Engine<'a, E: TryEstimator> {
+    Plain(MonteCarlo<By<'a, E>, Independent>),
+    Net(RandomizedQmc<By<'a, E>, Sobol<Owen>>),
+    Mapped(RandomizedQmc<Mapped<By<'a, E>>, Sobol<Owen>>),
+    Strata(Box<Vegas<By<'a, E>>>),
+    Boxes(Boxes<'a, E>),
+    Search(Box<Search<'a, E>>),
+    Mixed(RandomizedQmc<Mixed<'a, E>, Sobol<Owen>>),
+}
+
+/// What a block of [`Automatic`](super::Automatic) contributes: that of the
+/// integrator at work.
+#[derive(Clone, Debug)]
+pub struct AutomaticPartial<V: Value, E>(Part<V, E>);
+
+#[derive(Clone, Debug)]
+enum Part<V: Value, E> {
+    Plain(MonteCarloPartial<V, E>),
+    Points(RandomizedQmcPartial<V, E>),
+    Strata(SweepPartial<V, E>),
+    Boxes(BoxesPartial<V, E>),
+    Search(SearchPartial<V, E>),
+}
+
+impl<V: Value, E> Merge for AutomaticPartial<V, E> {
+    fn merge(&mut self, right: Self) {
+        match (&mut self.0, right.0) {
+            (Part::Plain(left), Part::Plain(right)) => left.merge(right),
+            (Part::Points(left), Part::Points(right)) => left.merge(right),
+            (Part::Strata(left), Part::Strata(right)) => left.merge(right),
+            (Part::Boxes(left), Part::Boxes(right)) => left.merge(right),
+            (Part::Search(left), Part::Search(right)) => left.merge(right),
+            _ => debug_assert!(false, "blocks of one pass are of one kind"),
+        }
+    }
+}
+
+/// What a block contributes, and whether the pass ends with it.
+type Flow<E> = ControlFlow<Partial<E>, Partial<E>>;
+type Partial<E> = AutomaticPartial<Wide<E>, <E as TryEstimator>::Error>;
+type Failed<E> = SampleError<Wide<E>, <E as TryEstimator>::Error>;
+
+impl<'a, E: TryEstimator> Engine<'a, E> {
+    pub(super) fn plain(estimator: By<'a, E>, seed: u64) -> Self {
+        Self::Plain(MonteCarlo::new(estimator, Independent::new(seed)))
+    }
+
+    /// `None` in more dimensions than nets have.
+    pub(super) fn net(
+        estimator: By<'a, E>,
+        dimension: usize,
+        seed: u64,
+        replicates: u16,
+    ) -> Option<Self> {
+        let net = Sobol::new(dimension).ok()?.scrambled(Owen, seed);
+        let net = RandomizedQmc::new(estimator, net, replicates).ok()?;
+        Some(Self::Net(net))
+    }
+
+    /// The same through a grid that stands still.
+    pub(super) fn mapped(
+        estimator: By<'a, E>,
+        grid: AdaptiveGrid,
+        seed: u64,
+        replicates: u16,
+    ) -> Option<Self> {
+        let net = Sobol::new(grid.dimension()).ok()?.scrambled(Owen, seed);
+        let net = RandomizedQmc::new(Mapped::new(grid, estimator), net, replicates).ok()?;
+        Some(Self::Mapped(net))
+    }
+
+    /// Points from a mixture that stands still.
+    pub(super) fn mixed(
+        estimator: By<'a, E>,
+        mixture: Mixture,
+        seed: u64,
+        replicates: u16,
+    ) -> Option<Self> {
+        let net = Sobol::new(mixture.dimension() + 1)
+            .ok()?
+            .scrambled(Owen, seed);
+        let mixed = Mixed { estimator, mixture };
+        Some(Self::Mixed(
+            RandomizedQmc::new(mixed, net, replicates).ok()?,
+        ))
+    }
+
+    pub(super) fn strata(
+        estimator: By<'a, E>,
+        grid: AdaptiveGrid,
+        seed: u64,
+        learning: Learning,
+    ) -> Option<Self> {
+        let vegas = Vegas::from_grid(estimator, grid, seed, learning).ok()?;
+        Some(Self::Strata(Box::new(vegas)))
+    }
+
+    pub(super) fn on_non_finite(self, policy: NonFinite) -> Self {
+        match self {
+            Self::Plain(engine) => Self::Plain(engine.on_non_finite(policy)),
+            Self::Net(engine) => Self::Net(engine.on_non_finite(policy)),
+            Self::Mapped(engine) => Self::Mapped(engine.on_non_finite(policy)),
+            Self::Strata(engine) => Self::Strata(Box::new(engine.on_non_finite(policy))),
+            Self::Boxes(engine) => Self::Boxes(engine),
+            Self::Search(engine) => Self::Search(Box::new(engine.on_non_finite(policy))),
+            Self::Mixed(engine) => Self::Mixed(engine.on_non_finite(policy)),
+        }
+    }
+
+    pub(super) fn spent(&self) -> u64 {
+        match self {
+            Self::Plain(engine) => engine.spent(),
+            Self::Net(engine) => engine.spent(),
+            Self::Mapped(engine) => engine.spent(),
+            Self::Strata(engine) => engine.spent(),
+            Self::Boxes(engine) => engine.spent(),
+            Self::Search(engine) => engine.spent(),
+            Self::Mixed(engine) => engine.spent(),
+        }
+    }
+
+    pub(super) fn smallest_pass(&self) -> u64 {
+        match self {
+            Self::Plain(engine) => engine.smallest_pass(),
+            Self::Net(engine) => engine.smallest_pass(),
+            Self::Mapped(engine) => engine.smallest_pass(),
+            Self::Strata(engine) => engine.smallest_pass(),
+            Self::Boxes(engine) => engine.smallest_pass(),
+            Self::Search(engine) => engine.smallest_pass(),
+            Self::Mixed(engine) => engine.smallest_pass(),
+        }
+    }
+
+    pub(super) fn plan(&mut self, budget: u64) -> u64 {
+        match self {
+            Self::Plain(engine) => engine.plan(budget),
+            Self::Net(engine) => engine.plan(budget),
+            Self::Mapped(engine) => engine.plan(budget),
+            Self::Strata(engine) => engine.plan(budget),
+            Self::Boxes(engine) => engine.plan(budget),
+            Self::Search(engine) => engine.plan(budget),
+            Self::Mixed(engine) => engine.plan(budget),
+        }
+    }
+
+    pub(super) fn block(&self, index: u64) -> Flow<E> {
+        match self {
+            Self::Plain(engine) => wrap(engine.block(index), Part::Plain),
+            Self::Net(engine) => wrap(engine.block(index), Part::Points),
+            Self::Mapped(engine) => wrap(engine.block(index), Part::Points),
+            Self::Strata(engine) => wrap(engine.block(index), Part::Strata),
+            Self::Boxes(engine) => wrap(engine.block(index), Part::Boxes),
+            Self::Search(engine) => wrap(engine.block(index), Part::Search),
+            Self::Mixed(engine) => wrap(engine.block(index), Part::Points),
+        }
+    }
+
+    pub(super) fn absorb(&mut self, pass: Partial<E>, blocks: u64) -> Result<(), Failed<E>> {
+        let of_replicate = |e: ReplicateError<_, _>| e.error;
+        match (self, pass.0) {
+            (Self::Plain(engine), Part::Plain(pass)) => engine.absorb(pass, blocks),
+            (Self::Net(engine), Part::Points(pass)) => {
+                engine.absorb(pass, blocks).map_err(of_replicate)
+            }
+            (Self::Mapped(engine), Part::Points(pass)) => {
+                engine.absorb(pass, blocks).map_err(of_replicate)
+            }
+            (Self::Strata(engine), Part::Strata(pass)) => engine.absorb(pass, blocks),
+            (Self::Mixed(engine), Part::Points(pass)) => {
+                engine.absorb(pass, blocks).map_err(of_replicate)
+            }
+            (Self::Boxes(engine), Part::Boxes(pass)) => engine.absorb(pass),
+            (Self::Search(engine), Part::Search(pass)) => engine.absorb(pass, blocks),
+            _ => Ok(()),
+        }
+    }
+
+    pub(super) fn meets(&self, tolerance: &Tolerance) -> bool {
+        match self {
+            Self::Plain(engine) => engine.meets(tolerance),
+            Self::Net(engine) => engine.meets(tolerance),
+            Self::Mapped(engine) => engine.meets(tolerance),
+            Self::Strata(engine) => engine.meets(tolerance),
+            Self::Boxes(engine) => engine.meets(tolerance),
+            Self::Search(_) => false,
+            Self::Mixed(engine) => engine.meets(tolerance),
+        }
+    }
+
+    /// `moments` are those of points taken before, for answers that have none.
+    pub(super) fn answer(&self, moments: &Moments<Wide<E>>) -> Option<Estimate<Wide<E>>> {
+        match self {
+            Self::Plain(engine) => engine.answer(),
+            Self::Net(engine) => engine.answer(),
+            Self::Mapped(engine) => engine.answer(),
+            Self::Strata(engine) => engine.answer(),
+            Self::Boxes(engine) => engine.answer(moments),
+            Self::Search(_) => None,
+            Self::Mixed(engine) => engine.answer(),
+        }
+    }
+}
+
+fn wrap<V: Value, E, P>(
+    flow: ControlFlow<P, P>,
+    part: impl Fn(P) -> Part<V, E>,
+) -> ControlFlow<AutomaticPartial<V, E>, AutomaticPartial<V, E>> {
+    match flow {
+        ControlFlow::Break(p) => ControlFlow::Break(AutomaticPartial(part(p))),
+        ControlFlow::Continue(p) => ControlFlow::Continue(AutomaticPartial(part(p))),
+    }
+}

@@ -1,0 +1,14 @@
+//! Integrators: unbiased, covered, and as fast as theory says.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod control_variates;
+mod median;
+mod multiple_importance;
+mod numerics;
+mod randomized_qmc;
+mod rates;
+mod unbiased;
