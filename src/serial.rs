@@ -98,6 +98,27 @@ pub(crate) mod rows {
     }
 }
 
+/// A field with several things that can be saved.
+pub(crate) mod each {
+    use super::*;
+
+    pub(crate) fn serialize<T: Serialize, S: Serializer, const K: usize>(
+        items: &[T; K],
+        to: S,
+    ) -> Result<S::Ok, S::Error> {
+        items.as_slice().serialize(to)
+    }
+
+    pub(crate) fn deserialize<'de, T: Deserialize<'de>, D: Deserializer<'de>, const K: usize>(
+        from: D,
+    ) -> Result<[T; K], D::Error> {
+        let items = Vec::deserialize(from)?;
+        let found = items.len();
+        let as_many = |_| Error::invalid_length(found, &"another number");
+        items.try_into().map_err(as_many)
+    }
+}
+
 /// A field that is a matrix over components C.
 pub(crate) struct Matrix<C>(PhantomData<C>);
 

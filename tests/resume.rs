@@ -9,8 +9,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
+use estimand::estimate::{Bounds, Histogram};
 use estimand::estimator::ControlVariates;
-use estimand::integrator::{ControlledMonteCarlo, Learning, Resumable};
+use estimand::integrator::{
+    BoundedMonteCarlo, ControlledMonteCarlo, HistogramMonteCarlo, Learning, Resumable,
+};
 use estimand::pdf::AdaptiveGrid;
 use estimand::prelude::*;
 use estimand::run::{Checkpoint, CheckpointError, ResumeError, resume};
@@ -162,6 +165,27 @@ fn every_integrator_is_resumed_to_the_same_bits() {
         let controls = |&[x, y, _]: &[f64; 3]| [x, y];
         let estimator = ControlVariates::new(f(fuse), controls, UnitCube);
         ControlledMonteCarlo::new(estimator, [0.5; 2], Independent::new(7)).unwrap()
+    });
+}
+
+#[test]
+fn histograms_and_bounded_values_are_resumed_to_the_same_bits() {
+    let g = |fuse: &Fuse| {
+        let fuse = fuse.clone();
+        move |[x, y]: [f64; 2]| {
+            fuse.burn();
+            x * y
+        }
+    };
+    survives_cuts("histogram", 40_000, |fuse| {
+        let histograms = [Histogram::uniform(0.0..1.0, 7).unwrap()];
+        let estimator = Importance::new(g(fuse), UnitCube::<2>);
+        HistogramMonteCarlo::new(estimator, Independent::new(7), histograms, |[x, _]| [*x])
+    });
+    survives_cuts("bounded", 40_000, |fuse| {
+        let bounds = Bounds::new(0.0, 1.0).unwrap();
+        let estimator = Importance::new(g(fuse), UnitCube::<2>);
+        BoundedMonteCarlo::new(estimator, Independent::new(7), bounds, 0.95).unwrap()
     });
 }
 

@@ -8,6 +8,7 @@ use crate::value::Value;
 
 /// What is known beforehand: every f/p, in each component, lies in [low, high].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bounds {
     low: f64,
     high: f64,

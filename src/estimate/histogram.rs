@@ -49,6 +49,7 @@ use crate::value::{Components, Value};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Histogram {
     edges: Vec<f64>,
     /// Of the weights that fell into each bin, then of those outside.

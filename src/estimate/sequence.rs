@@ -44,14 +44,24 @@ use crate::value::{Components, Value};
 /// Source: Waudby-Smith & Ramdas, *Estimating Means of Bounded Random Variables by
 /// Betting* (2024), theorem 2, with stakes that change from block to block.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
 pub struct ConfidenceSequence<V: Value> {
     bounds: Bounds,
     count: f64,
     /// In units of b − a from a: Σ x, Σ (x − x̂)², Σ λ, Σ λx, Σ ψ(λ)(x − x̂)².
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     sum: V::Components,
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     spread: V::Components,
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     stakes: V::Components,
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     staked: V::Components,
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     paid: V::Components,
     value: PhantomData<V>,
 }
@@ -62,6 +72,12 @@ const STAKE: f64 = 3.688_879_454_113_936;
 const MOST: f64 = 0.5;
 
 impl<V: Value> ConfidenceSequence<V> {
+    /// What every value lies between.
+    #[cfg(feature = "serde")]
+    pub(crate) const fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
     /// Of nothing: the bounds themselves.
     #[must_use]
     pub const fn new(bounds: Bounds) -> Self {

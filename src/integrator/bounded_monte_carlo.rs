@@ -110,6 +110,11 @@ impl<E: TryEstimator, S: Iid> BoundedMonteCarlo<E, S> {
 
 /// What a block of [`BoundedMonteCarlo`] contributes.
 #[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "")
+)]
 pub struct BoundedPartial<V: Value, E> {
     inner: MonteCarloPartial<V, E>,
     /// Of each block by itself, in order.
@@ -192,5 +197,29 @@ impl<V: Value> fmt::Display for BoundedEstimate<V> {
         let (low, high) = (self.interval.low, self.interval.high);
         let percent = 100.0 * self.level;
         write!(f, " in [{low:?}, {high:?}] ({percent} %, at any stop)")
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<E: TryEstimator, S: Iid + fmt::Debug> super::Resumable for BoundedMonteCarlo<E, S> {
+    type State = (
+        <MonteCarlo<E, S> as super::Resumable>::State,
+        ConfidenceSequence<E::Value>,
+    );
+
+    fn state(&self) -> impl serde::Serialize {
+        (self.inner.state(), self.sequence)
+    }
+
+    fn restore(&mut self, (inner, sequence): Self::State) -> Result<(), super::StateError> {
+        self.sequence = sequence;
+        self.inner.restore(inner)
+    }
+
+    fn fingerprint(&self) -> super::Fingerprint {
+        let inner = self.inner.fingerprint();
+        inner
+            .with("bounds", &self.sequence.bounds())
+            .with("level", &self.level)
     }
 }

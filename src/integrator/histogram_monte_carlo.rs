@@ -104,8 +104,10 @@ where
 
 /// What a block of [`HistogramMonteCarlo`] contributes.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HistogramPartial<const K: usize> {
     plain: MonteCarloPartial<f64, Infallible>,
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::each"))]
     histograms: [Histogram; K],
 }
 
@@ -213,5 +215,37 @@ where
 
     fn answer(&self) -> Option<[Histogram; K]> {
         (self.spent() > 0).then(|| self.filled.clone())
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<F, P, O, const K: usize, S> super::Resumable for HistogramMonteCarlo<F, P, O, K, S>
+where
+    P: Pdf<Point: Clone>,
+    F: Integrand<P::Point, Value: Value<Wide = f64>>,
+    O: Fn(&P::Point) -> [f64; K],
+    S: Iid + core::fmt::Debug,
+{
+    type State = (
+        <MonteCarlo<Importance<F, P>, S> as super::Resumable>::State,
+        Vec<Histogram>,
+    );
+
+    fn state(&self) -> impl serde::Serialize {
+        (self.plain.state(), self.filled.to_vec())
+    }
+
+    fn restore(&mut self, (plain, filled): Self::State) -> Result<(), super::StateError> {
+        let found = filled.len();
+        super::StateError::unless_equal("histograms", found, K)?;
+        if let Ok(filled) = filled.try_into() {
+            self.filled = filled;
+        }
+        self.plain.restore(plain)
+    }
+
+    fn fingerprint(&self) -> super::Fingerprint {
+        let plain = self.plain.fingerprint();
+        plain.with("histograms", &self.empty)
     }
 }

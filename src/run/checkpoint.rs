@@ -118,7 +118,7 @@ type Resumed<I> = Result<
 /// The same program, started again after a crash or a limit of time, goes on where
 /// it was, and ends with the same bits as if it had never been interrupted: the
 /// pass at hand is saved as well, and goes on with the block that follows. With
-/// another budget it goes on all the same.
+/// another budget it goes on all the same, once that pass is over.
 ///
 /// A run that is over leaves its last state, which another budget or tolerance may
 /// go on from. One that ends by an error or a panic leaves the state that was
@@ -135,30 +135,30 @@ type Resumed<I> = Result<
 ///
 /// # Example
 ///
-/// A run that is cut into three, and one that is not:
+/// A run that is stopped after three passes and gone on with, and one that is not:
 ///
 /// ```
 /// use estimand::prelude::*;
 /// use estimand::run::{Checkpoint, resume};
 ///
-/// let peak = |x: [f64; 2]| (-50.0 * x.map(|x| (x - 0.4).powi(2)).iter().sum::<f64>()).exp();
+/// let peak = |[x, y]: [f64; 2]| (-50.0 * ((x - 0.4).powi(2) + (y - 0.4).powi(2))).exp();
 /// let vegas = || Vegas::new(Importance::new(peak, UnitCube::<2>), 2, 7);
-/// let whole = run(&mut vegas()?, &Serial, &Stop::samples(50_000))?.answer;
+/// let budget = Stop::samples(50_000);
+/// let whole = run(&mut vegas()?, &Serial, &budget)?.answer;
 ///
 /// let file = std::env::temp_dir().join(format!("estimand-doc-{}", std::process::id()));
 /// let checkpoint = Checkpoint::new(&file);
-/// let part = |budget| resume(&mut vegas().unwrap(), &Serial, &budget, &checkpoint, |_| ());
-/// for passes in [3, 7] {
-///     // Stopped by hand after so many passes.
-///     let cancel = Cancel::new();
-///     let stop = Stop { cancel: Some(cancel.clone()), ..Stop::samples(50_000) };
-///     let mut left = passes;
-///     resume(&mut vegas()?, &Serial, &stop, &checkpoint, |_| {
-///         left -= 1;
-///         if left == 0 { cancel.cancel() }
-///     })?;
-/// }
-/// assert_eq!(part(Stop::samples(50_000))?.answer, whole);
+/// let (cancel, mut passes) = (Cancel::new(), 0);
+/// let stop = Stop { cancel: Some(cancel.clone()), ..budget.clone() };
+/// let first = resume(&mut vegas()?, &Serial, &stop, &checkpoint, |_| {
+///     passes += 1;
+///     if passes == 3 {
+///         cancel.cancel();
+///     }
+/// })?;
+/// assert_eq!(first.reason, Reason::Cancelled);
+/// let second = resume(&mut vegas()?, &Serial, &budget, &checkpoint, |_| ())?;
+/// assert_eq!(second.answer, whole);
 /// # std::fs::remove_file(&file)?;
 /// # std::fs::remove_file(format!("{}.previous", file.display()))?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())

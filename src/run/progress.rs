@@ -128,3 +128,79 @@ impl<I: Integrator<Answer: fmt::Display>> fmt::Display for Progress<'_, I> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::Tolerance;
+    use crate::estimator::Importance;
+    use crate::integrator::MonteCarlo;
+    use crate::pdf::Interval;
+    use crate::run::{Serial, run, run_with};
+    use crate::sampler::Independent;
+
+    fn line() -> MonteCarlo<Importance<impl Fn(f64) -> f64, Interval>> {
+        MonteCarlo::new(
+            Importance::new(|x: f64| x, Interval::unit()),
+            Independent::new(7),
+        )
+    }
+
+    #[test]
+    fn the_excess_is_the_error_over_the_tolerance() {
+        let mut integrator = line();
+        let stop = Stop {
+            tolerance: Tolerance::absolute(1e-3).ok(),
+            ..Stop::samples(100_000)
+        };
+        let mut seen = 0;
+        run_with(&mut integrator, &Serial, &stop, |progress| {
+            let error = progress.integrator.answer().unwrap().standard_error;
+            let excess = progress.excess().unwrap();
+            let exact = (error / 1e-3).max(1.0);
+            assert!(excess >= exact && excess < 1.02 * exact, "{excess} {exact}");
+            assert!(progress.remaining().is_some() && progress.rate() > 0.0);
+            seen += 1;
+        })
+        .unwrap();
+        assert!(seen > 5);
+    }
+
+    /// Half of the budget, or the rest of the time: what comes first.
+    #[test]
+    fn what_remains_goes_by_the_rate() {
+        let mut integrator = line();
+        run(&mut integrator, &Serial, &Stop::samples(1_000)).unwrap();
+        let of = |stop: &Stop, before, seconds| {
+            let elapsed = Duration::from_secs(seconds);
+            let progress = Progress::new(&integrator, stop, before, elapsed);
+            (progress.rate(), progress.remaining())
+        };
+        let budget = Stop::samples(2_000);
+        let ten = Some(Duration::from_secs(10));
+        assert_eq!(of(&budget, 0, 10), (100.0, ten));
+        // Samples of earlier runs were not paid for by this one's time.
+        assert_eq!(of(&budget, 900, 1), (100.0, ten));
+        let limit = Stop {
+            time: Some(Duration::from_secs(13)),
+            ..budget
+        };
+        assert_eq!(of(&limit, 0, 10).1, Some(Duration::from_secs(3)));
+        let never = Stop {
+            samples: None,
+            time: None,
+            ..limit
+        };
+        assert_eq!(of(&never, 0, 10).1, None);
+    }
+
+    #[test]
+    fn a_line_has_all_of_it() {
+        let mut integrator = line();
+        run(&mut integrator, &Serial, &Stop::samples(1_000)).unwrap();
+        let answer = integrator.answer().unwrap();
+        let stop = Stop::samples(4_000);
+        let line = Progress::new(&integrator, &stop, 0, Duration::from_secs(2)).to_string();
+        assert_eq!(line, format!("1000 samples, 5.0e2/s: {answer}, 6.0 s left"));
+    }
+}
