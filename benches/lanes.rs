@@ -7,6 +7,11 @@
 //! RUSTFLAGS="-C target-cpu=x86-64-v3" cargo bench --bench lanes -- --instructions
 //! ```
 
+#![allow(
+    clippy::redundant_closure,
+    reason = "a closure of its own is inlined where it is called, a function called twice is not"
+)]
+
 #[path = "support/instructions.rs"]
 mod support;
 

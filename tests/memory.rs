@@ -155,7 +155,8 @@ fn learning_and_nets_cost_no_more_with_more_samples() {
         let mut integrator = RandomizedQmc::new(Importance::new(f, UnitCube), points, 8).unwrap();
         run(&mut integrator, &Serial, &Stop::samples(samples)).unwrap();
     };
-    let methods: [(&str, &dyn Fn(u64, &Cell<u64>)); 2] = [("vegas", &vegas), ("net", &net)];
+    type Method<'a> = (&'a str, &'a dyn Fn(u64, &Cell<u64>));
+    let methods: [Method<'_>; 2] = [("vegas", &vegas), ("net", &net)];
     for (name, integrate) in methods {
         let [few, many] = [100_000, 3_000_000].map(|samples| {
             let calls = Cell::new(0);

@@ -50,15 +50,14 @@ pub(crate) fn sample_block<S: Sampler, E: TryEstimator>(
         .try_estimate(&mut points)
         .map_err(|e| fail(0, Cause::Integrand(e)))?;
     let mut values = [first; SLICE];
-    let mut ready = 1;
     let mut done = 0;
     while done < block.len {
         let len = (block.len - done).min(SLICE as u64) as usize;
+        let ready = usize::from(done == 0);
         let failed = estimator
             .try_estimate_all(&mut points, &mut values[ready..len])
             .err();
         let taken = failed.as_ref().map_or(len, |(taken, _)| ready + taken);
-        ready = 0;
         let slice = &values[..taken];
         match non_finite {
             NonFinite::SetAside => moments.push_all(slice),
