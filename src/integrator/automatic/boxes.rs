@@ -6,7 +6,7 @@ use super::by::{By, Given, Wide};
 use crate::estimate::{ErrorSource, Estimate, Moments, Tolerance};
 use crate::estimator::TryEstimator;
 use crate::integrator::sample_block::is_finite;
-use crate::integrator::{Cause, SampleError};
+use crate::integrator::{Cause, NonFinite, SampleError};
 use crate::merge::Merge;
 use crate::quadrature::{BoxRule, Cut, Degree, Found, Regions};
 use crate::value::{Components, Value};
@@ -23,7 +23,9 @@ pub(super) struct Boxes<'a, E: TryEstimator> {
     each: usize,
     /// Evaluations and error after each pass.
     history: Vec<(u64, Wide<E>)>,
-    /// Whether a pass brought nothing: a sum overflows.
+    non_finite: NonFinite,
+    /// Whether a box could not be cut: a value that is set aside, or a sum that
+    /// overflows.
     stuck: bool,
 }
 
@@ -64,8 +66,13 @@ impl<'a, E: TryEstimator> Boxes<'a, E> {
             batch: Vec::new(),
             each,
             history: Vec::new(),
+            non_finite: NonFinite::Refuse,
             stuck: false,
         })
+    }
+
+    pub(super) fn on_non_finite(self, non_finite: NonFinite) -> Self {
+        Self { non_finite, ..self }
     }
 
     pub(super) fn spent(&self) -> u64 {
@@ -76,6 +83,9 @@ impl<'a, E: TryEstimator> Boxes<'a, E> {
     /// it did of late, when that was slowest, and no faster than that of a smooth
     /// integrand; `None` before the first box.
     pub(super) fn promise(&self, evaluations: u64) -> Option<Wide<E>> {
+        if self.stuck {
+            return None;
+        }
         let &(last, error) = self.history.last()?;
         let then = evaluations.max(last) as f64 / last as f64;
         let mut promise = error.components();
@@ -132,15 +142,18 @@ impl<'a, E: TryEstimator> Boxes<'a, E> {
             let value = self.estimator.try_estimate(&mut Given::new(u));
             let cause = match value {
                 Ok(value) if is_finite(value) => return value.components(),
-                Ok(value) => Cause::NonFinite(value),
-                Err(error) => Cause::Integrand(error),
+                Ok(_) if self.non_finite == NonFinite::SetAside => None,
+                Ok(value) => Some(Cause::NonFinite(value)),
+                Err(error) => Some(Cause::Integrand(error)),
             };
-            failure.get_or_insert_with(|| SampleError {
-                cause,
-                sample: self.spent(),
-                unit: u.to_vec(),
-                location: self.estimator.locate(&mut Given::new(u)),
-            });
+            if let (Some(cause), None) = (cause, &failure) {
+                failure = Some(SampleError {
+                    cause,
+                    sample: self.spent(),
+                    unit: u.to_vec(),
+                    location: self.estimator.locate(&mut Given::new(u)),
+                });
+            }
             let mut nan = <E::Value as Value>::Components::ZERO;
             nan.as_mut().fill(f64::NAN);
             nan
@@ -176,7 +189,8 @@ impl<'a, E: TryEstimator> Boxes<'a, E> {
         if let Some(whole) = pass.whole {
             self.regions.begin(whole);
         }
-        self.stuck = pass.cuts.is_empty() && self.spent() == before;
+        let brought = pass.cuts.len() + usize::from(self.spent() > before);
+        self.stuck = brought < self.batch.len().max(1);
         for cut in &pass.cuts {
             self.regions.replace(cut);
         }

@@ -124,7 +124,7 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
             Self::Net(engine) => Self::Net(engine.on_non_finite(policy)),
             Self::Mapped(engine) => Self::Mapped(engine.on_non_finite(policy)),
             Self::Strata(engine) => Self::Strata(Box::new(engine.on_non_finite(policy))),
-            Self::Boxes(engine) => Self::Boxes(engine),
+            Self::Boxes(engine) => Self::Boxes(engine.on_non_finite(policy)),
             Self::Search(engine) => Self::Search(Box::new(engine.on_non_finite(policy))),
             Self::Mixed(engine) => Self::Mixed(engine.on_non_finite(policy)),
         }

@@ -5,11 +5,9 @@ use super::mixture::{Mixture, Part};
 /// The most normal parts.
 const PARTS: usize = 8;
 /// Steps of expectation and maximisation.
-const STEPS: usize = 8;
+const STEPS: usize = 6;
 /// A part with less of the weight is given up.
 const LEAST: f64 = 0.005;
-/// Points that hold all but this share of the weight are looked at.
-const REST: f64 = 1e-4;
 /// No part is narrower.
 const THINNEST: f64 = 1e-3;
 
@@ -17,7 +15,8 @@ const THINNEST: f64 = 1e-3;
 /// widened by `wider`, and `even` of the points spread evenly.
 ///
 /// Expectation and maximisation, from points far from each other. The covariance of
-/// a part is drawn to a diagonal one as far as its points are few.
+/// a part is drawn to a diagonal one as far as its points are few. Of more than `most`
+/// points, so many are looked at.
 ///
 /// Source: Dempster, Laird & Rubin, *Maximum Likelihood from Incomplete Data via the
 /// EM Algorithm* (1977); Cappé, Douc, Guillin, Marin & Robert, *Adaptive Importance
@@ -27,11 +26,11 @@ pub(super) fn fit(
     weights: &[f64],
     dimension: usize,
     (even, wider): (f64, f64),
+    most: usize,
 ) -> Mixture {
-    let heaviest = heaviest(weights);
-    let chosen: Vec<(&[f64], f64)> = heaviest
-        .iter()
-        .map(|&i| (&points[i * dimension..(i + 1) * dimension], weights[i]))
+    let chosen: Vec<(&[f64], f64)> = representatives(weights, most)
+        .into_iter()
+        .map(|(i, weight)| (&points[i * dimension..(i + 1) * dimension], weight))
         .collect();
     let total: f64 = chosen.iter().map(|(_, w)| w).sum();
     if !(total > 0.0 && total.is_finite()) {
@@ -72,19 +71,22 @@ pub(super) fn fit(
     Mixture::new(dimension, even, parts)
 }
 
-/// The points with the largest weights, as many as hold nearly all of it.
-fn heaviest(weights: &[f64]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..weights.len()).filter(|&i| weights[i] > 0.0).collect();
-    order.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]).then(a.cmp(&b)));
-    let total: f64 = order.iter().map(|&i| weights[i]).sum();
-    let mut left = total;
-    let cut = order.iter().position(|&i| {
-        let enough = left <= REST * total;
-        left -= weights[i];
-        enough
-    });
-    order.truncate(cut.unwrap_or(order.len()));
-    order
+/// The points with any weight; where they are many, so many of them in proportion.
+fn representatives(weights: &[f64], most: usize) -> Vec<(usize, f64)> {
+    let all = weights.iter().copied().enumerate();
+    let all: Vec<(usize, f64)> = all.filter(|(_, w)| *w > 0.0).collect();
+    if all.len() <= most {
+        return all;
+    }
+    let step = all.iter().map(|(_, w)| w).sum::<f64>() / most as f64;
+    let mut sum = 0.5 * step;
+    let steps = |&(i, w): &(usize, f64)| {
+        sum += w;
+        let whole = (sum / step).floor();
+        sum -= whole * step;
+        (whole > 0.0).then_some((i, whole))
+    };
+    all.iter().filter_map(steps).collect()
 }
 
 /// Points that are heavy, and far from each other in units of the variances.

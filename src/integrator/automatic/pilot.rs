@@ -58,6 +58,8 @@ pub(super) struct Findings<'a, E: TryEstimator> {
     boxes: Option<Boxes<'a, E>>,
     /// Whether cubature has had a second look.
     deeper: bool,
+    /// Whether the grid has learned anything.
+    learned: bool,
     grid: Option<AdaptiveGrid>,
     search: Option<Box<Search<'a, E>>>,
     /// What it took to learn.
@@ -79,6 +81,7 @@ impl<E: TryEstimator> Default for Findings<'_, E> {
             history: Vec::new(),
             boxes: None,
             deeper: false,
+            learned: false,
             grid: None,
             search: None,
             lessons: 0,
@@ -104,9 +107,14 @@ const REPLICATES: u16 = 8;
 const LOOK: f64 = 0.25;
 const BOXES: f64 = 0.25;
 const LEARN: f64 = 0.25;
-/// Peaks are searched for where the square of one value in so many is as large as
-/// all together.
+/// Peaks are searched for where the square of one value is as large as those of all
+/// together, divided by this, and so many times the average square.
 const PEAKED: f64 = 30.0;
+const SHARP: f64 = 60.0;
+/// Beyond so many dimensions, cubature is not tried where there are peaks.
+const SMALL_DIMENSION: usize = 3;
+/// What was found are peaks if so many of the samples on them are effective.
+const TELLING: f64 = 0.3;
 /// In so many rounds, and in so many more once they have been chosen.
 const ROUNDS: u64 = 12;
 const ROUNDS_MORE: u64 = 3;
@@ -136,7 +144,10 @@ const STRATA_RATE: f64 = 0.6;
 /// times larger.
 const MAPPED: f64 = 2.0;
 const STRATA: f64 = 1.2;
-const CUBATURE: f64 = 0.2;
+/// Nets through a map are not taken to be better than so much of VEGAS+.
+const BEYOND_STRATA: f64 = 0.2;
+/// Cubature's errors are smaller than it says.
+const CUBATURE: f64 = 0.07;
 /// Cubature's promise has to be so many times better than that of nets to end the
 /// pilot early.
 const CLEARLY: f64 = 100.0;
@@ -146,7 +157,7 @@ const PLAUSIBLE: f64 = 30.0;
 /// missed.
 const EFFECTIVE: f64 = 20.0;
 /// How many standard errors of the pilot cubature may be away from it.
-const FAR: f64 = 5.0;
+const FAR: f64 = 8.0;
 impl<'a, E: TryEstimator> Automatic<'a, E> {
     /// Takes note of a pass.
     pub(super) fn note(&mut self) {
@@ -203,10 +214,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             Stage::Learn => self.after_learning(),
             Stage::Search => self.after_search(),
             Stage::Try => self.after_trying(),
-            Stage::TryPeaks => {
-                self.promise_of_net(Method::Peaks);
-                self.decide();
-            }
+            Stage::TryPeaks => self.after_peaks(),
             Stage::Teach => self.after_teaching(left),
             Stage::Answer => {}
         }
@@ -311,8 +319,8 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             return self.choose(Method::Net, Why::AllZero);
         }
         let allowance = (self.findings.pilot as f64 * BOXES) as u64;
-        if self.is_peaked() {
-            return self.search(allowance);
+        if self.is_peaked() && self.dimension > SMALL_DIMENSION {
+            return self.search();
         }
         let degrees = [(Degree::Nine, MANY), (Degree::Seven, FEW)];
         let boxes = degrees.into_iter().find_map(|(degree, fewest)| {
@@ -324,7 +332,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             Some(boxes) => {
                 self.go(Stage::Boxes, Engine::Boxes(boxes), allowance);
             }
-            None => self.learn(),
+            None => self.search(),
         }
     }
 
@@ -340,13 +348,18 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         let largest = moments.largest().components();
         let out = (squares.zip(variances).zip(largest.as_ref()))
             .map(|((m, v), largest)| largest * largest / (m + v).max(f64::MIN_POSITIVE));
-        out.fold(0.0, f64::max) > n / PEAKED
+        out.fold(0.0, f64::max) > (n / PEAKED).max(SHARP)
     }
 
-    fn search(&mut self, allowance: u64) {
-        if !(2..=MOST_AXES).contains(&self.dimension) {
+    fn search(&mut self) {
+        if !(2..=MOST_AXES).contains(&self.dimension) || !self.is_peaked() {
             return self.learn();
         }
+        let left = self
+            .findings
+            .pilot
+            .saturating_sub(self.before + self.engine.spent());
+        let allowance = ((self.findings.pilot as f64 * BOXES) as u64).min(left / 3);
         let seed = self.seed_of(Stage::Search);
         let scales = self.scales();
         let budget = (allowance, ROUNDS);
@@ -366,6 +379,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
 
     fn after_trying(&mut self) {
         self.promise_of_net(Method::MappedNet);
+        self.findings.learned = self.has_learned();
         let Some(search) = &self.findings.search else {
             return self.decide();
         };
@@ -380,6 +394,40 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         }
     }
 
+    /// Whether values vary less behind the grid than before it, in any component.
+    /// With many axes, what noise teaches adds up to a density that is far from
+    /// even, whose errors few samples show.
+    fn has_learned(&self) -> bool {
+        let Engine::Mapped(net) = &self.engine else {
+            return false;
+        };
+        let Some(mapped) = net.answer().map(|e| e.moments) else {
+            return false;
+        };
+        let share = |moments: &Moments<Wide<E>>| {
+            let mut share = moments.effective_sample_size().components();
+            let n = moments.count() as f64;
+            share.as_mut().iter_mut().for_each(|s| *s /= n);
+            share
+        };
+        let (before, behind) = (share(&self.findings.moments), share(&mapped));
+        let mut shares = before.as_ref().iter().zip(behind.as_ref());
+        shares.any(|(before, behind)| *behind >= *before)
+    }
+
+    fn after_peaks(&mut self) {
+        if let Engine::Mixed(net) = &self.engine
+            && let Some(estimate) = net.answer()
+        {
+            let effective = estimate.moments.effective_sample_size().components();
+            let fewest = TELLING * estimate.samples() as f64;
+            if effective.as_ref().iter().any(|n| *n >= fewest) {
+                self.promise_of_net(Method::Peaks);
+            }
+        }
+        self.decide();
+    }
+
     /// How many points of each replicate the pilot still pays for.
     fn points_left(&self) -> u64 {
         let spent = self.before + self.engine.spent();
@@ -389,7 +437,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
     fn after_boxes(&mut self) {
         let idle = Engine::plain(self.estimator, self.seed);
         let Engine::Boxes(boxes) = self.go(Stage::Boxes, idle, 0) else {
-            return self.learn();
+            return self.search();
         };
         if let Some(error) = boxes.promise(self.rest() + boxes.spent())
             && self.agrees(&boxes)
@@ -413,7 +461,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
                 return self.decide();
             }
         }
-        self.learn();
+        self.search();
     }
 
     /// Whether the samples of the pilot would have noticed what cubature missed.
@@ -489,13 +537,18 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
     /// Takes the method that promises the smallest error.
     fn decide(&mut self) {
         let mut promises = core::mem::take(&mut self.findings.promises);
-        let handicap = |method| match method {
-            Method::MappedNet => MAPPED,
-            Method::Strata => STRATA,
-            Method::Cubature => CUBATURE,
-            _ => 1.0,
+        let strata = promises.iter().find(|p| p.method == Method::Strata);
+        let strata = strata.map_or(f64::INFINITY, |p| self.size(p.error));
+        let learned = self.findings.learned;
+        let of = |p: &Promise<_>| match p.method {
+            Method::MappedNet | Method::Strata if !learned => f64::INFINITY,
+            // Nets do not see the tails of a map that has learned a jump;
+            // independent points do.
+            Method::MappedNet => (self.size(p.error) * MAPPED).max(strata * BEYOND_STRATA),
+            Method::Strata => self.size(p.error) * STRATA,
+            Method::Cubature => self.size(p.error) * CUBATURE,
+            _ => self.size(p.error),
         };
-        let of = |p: &Promise<_>| self.size(p.error) * handicap(p.method);
         promises.sort_by(|a, b| of(a).total_cmp(&of(b)));
         let method = promises.first().map_or(Method::Net, |p| p.method);
         self.findings.promises = promises;

@@ -30,6 +30,8 @@ pub(super) struct Search<'a, E: TryEstimator> {
     /// How many rounds there are to be in all, of so many points.
     rounds: u64,
     each: u64,
+    /// A fit looks at so many points.
+    looks: usize,
     begun: u64,
     mixture: Mixture,
     /// The mixtures so far, each with its number of points.
@@ -62,6 +64,9 @@ impl<V: Value, E> Merge for SearchPartial<V, E> {
 /// What came of a block.
 type Found<E> = SearchPartial<Wide<E>, <E as TryEstimator>::Error>;
 
+/// A fit looks at so many points, and at so many once what is looked for is known.
+const LOOKS: usize = 1 << 10;
+const LOOKS_LAST: usize = 1 << 13;
 /// Points in a block.
 const BLOCK: u64 = 64;
 /// Effective points for each axis that a fit is made of, and the fewest.
@@ -89,6 +94,7 @@ impl<'a, E: TryEstimator> Search<'a, E> {
             scales,
             rounds,
             each: (budget / rounds).max(1),
+            looks: LOOKS,
             begun: 0,
             mixture: Mixture::even(dimension),
             past: Vec::new(),
@@ -106,6 +112,7 @@ impl<'a, E: TryEstimator> Search<'a, E> {
     /// Looks at so many points more.
     pub(super) fn go_on(&mut self, budget: u64, rounds: u64) {
         self.rounds += rounds;
+        self.looks = LOOKS_LAST;
         self.each = (budget / rounds).max(1);
     }
 
@@ -198,7 +205,7 @@ impl<'a, E: TryEstimator> Search<'a, E> {
         self.points.extend(pass.points);
         self.sizes.extend(pass.sizes);
         let weights = self.weights();
-        self.mixture = fit(&self.points, &weights, d, (EVEN, WIDER));
+        self.mixture = fit(&self.points, &weights, d, (EVEN, WIDER), self.looks);
         Ok(())
     }
 
