@@ -254,9 +254,11 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         }
         let (points, _) = layout((self.findings.pilot as f64 * LOOK) as u64, REPLICATES);
         match self.net(Stage::Look, REPLICATES) {
-            Some(net) => self.go(Stage::Look, net, points * u64::from(REPLICATES)),
-            None => return self.choose(Method::Plain, Why::SmallBudget),
-        };
+            Some(net) => {
+                self.go(Stage::Look, net, points * u64::from(REPLICATES));
+            }
+            None => self.choose(Method::Plain, Why::SmallBudget),
+        }
     }
 
     /// What the pilot leaves.
