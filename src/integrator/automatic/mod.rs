@@ -4,7 +4,9 @@ mod answer;
 mod boxes;
 mod by;
 mod choice;
+mod decision;
 mod engine;
+mod findings;
 mod fit;
 mod mixed;
 mod mixture;
@@ -25,7 +27,7 @@ use crate::value::{Components, Value};
 use by::{By, Wide};
 pub use engine::AutomaticPartial;
 use engine::Engine;
-use pilot::{Findings, Stage};
+use findings::{Findings, Stage};
 
 /// Finds the method by a pilot, and spends the rest of the budget by it.
 ///

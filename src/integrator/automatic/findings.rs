@@ -1,0 +1,153 @@
+//! What the pilot is for, what it has found, and how much it may spend.
+
+use super::boxes::Boxes;
+use super::by::Wide;
+use super::choice::Promise;
+use super::search::Search;
+use crate::estimate::{Estimate, Moments};
+use crate::estimator::TryEstimator;
+use crate::integrator::Learning;
+use crate::pdf::AdaptiveGrid;
+
+/// What the samples at hand are for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stage {
+    /// There are none yet.
+    Begin,
+    /// Nets, as they are.
+    Look,
+    /// Cubature.
+    Boxes,
+    /// A grid that learns, and VEGAS+.
+    Learn,
+    /// Nets through that grid.
+    Try,
+    /// Peaks, as they are searched for.
+    Search,
+    /// Nets on these.
+    TryPeaks,
+    /// The grid learns more, or more is seen of the peaks, for the nets of the answer.
+    Teach,
+    /// The answer.
+    Answer,
+}
+
+/// What the pilot has found.
+pub(super) struct Findings<'a, E: TryEstimator> {
+    /// The budget that the pilot belongs to, and how much of it is the pilot's.
+    pub(super) budget: u64,
+    pub(super) pilot: u64,
+    /// What the present stage may spend.
+    pub(super) allowance: u64,
+    /// Of the nets as they are.
+    pub(super) look: Option<Estimate<Wide<E>>>,
+    pub(super) moments: Moments<Wide<E>>,
+    /// The fewest replicates of nets, and of nets through the map.
+    pub(super) net: u16,
+    pub(super) mapped: u16,
+    pub(super) peaks: u16,
+    /// Errors of the net at hand, after so many points of each replicate.
+    pub(super) history: Vec<(u64, f64)>,
+    pub(super) boxes: Option<Boxes<'a, E>>,
+    /// Whether cubature has had a second look.
+    pub(super) deeper: bool,
+    /// Whether the grid has learned anything.
+    pub(super) learned: bool,
+    pub(super) grid: Option<AdaptiveGrid>,
+    pub(super) search: Option<Box<Search<'a, E>>>,
+    /// What it took to learn.
+    pub(super) lessons: u64,
+    pub(super) promises: Vec<Promise<Wide<E>>>,
+}
+
+impl<E: TryEstimator> Default for Findings<'_, E> {
+    fn default() -> Self {
+        Self {
+            budget: 0,
+            pilot: 0,
+            allowance: 0,
+            look: None,
+            moments: Moments::new(),
+            net: REPLICATES,
+            mapped: REPLICATES,
+            peaks: REPLICATES,
+            history: Vec::new(),
+            boxes: None,
+            deeper: false,
+            learned: false,
+            grid: None,
+            search: None,
+            lessons: 0,
+            promises: Vec::new(),
+        }
+    }
+}
+
+/// Below, there is no pilot.
+pub(super) const SMALL: u64 = 4096;
+/// Nets have at least so many points.
+pub(super) const FEWEST: u64 = 32;
+/// The budget that a pilot is for where there is no limit.
+pub(super) const UNLIMITED: u64 = 1 << 17;
+/// A pilot takes this share of a budget, or this and so many more, at most so many.
+pub(super) const MOST_SHARE: f64 = 0.09;
+pub(super) const SHARE: f64 = 0.02;
+pub(super) const BASE: f64 = 7000.0;
+pub(super) const MOST_PILOT: u64 = 1 << 17;
+/// Randomisations of the nets of a pilot.
+pub(super) const REPLICATES: u16 = 8;
+/// What the stages of the pilot take of it; nets through the map take what is left.
+pub(super) const LOOK: f64 = 0.25;
+pub(super) const BOXES: f64 = 0.25;
+pub(super) const LEARN: f64 = 0.25;
+/// Peaks are searched for where the square of one value is as large as those of all
+/// together, divided by this, and so many times the average square.
+pub(super) const PEAKED: f64 = 30.0;
+pub(super) const SHARP: f64 = 60.0;
+/// Beyond so many dimensions, cubature is not tried where there are peaks.
+pub(super) const SMALL_DIMENSION: usize = 3;
+/// What was found are peaks if so many of the samples on them are effective.
+pub(super) const TELLING: f64 = 0.3;
+/// In so many rounds, and in so many more once they have been chosen.
+pub(super) const ROUNDS: u64 = 12;
+pub(super) const ROUNDS_MORE: u64 = 3;
+pub(super) const TEACH_PEAKS: f64 = 0.1;
+/// Degree nine where the budget pays for so many cuts; else degree seven where it
+/// pays for so many.
+pub(super) const MANY: u64 = 50;
+pub(super) const FEW: u64 = 10;
+/// How VEGAS+ learns in the pilot, and for the nets of the answer.
+pub(super) const PILOT_LESSONS: Learning = Learning {
+    alpha: 0.5,
+    beta: 0.5,
+    cells: 1000,
+    passes: 5,
+    share: 0.6,
+};
+pub(super) const TEACHING: Learning = Learning {
+    share: 0.97,
+    passes: 10,
+    ..PILOT_LESSONS
+};
+/// The part of the rest that a grid learns with at least, before nets go through it.
+pub(super) const TEACH: f64 = 0.2;
+/// The exponent by which the error of VEGAS+ is taken to fall.
+pub(super) const STRATA_RATE: f64 = 0.6;
+/// What is not known of a method when it promises: its errors are taken for so many
+/// times larger.
+pub(super) const MAPPED: f64 = 2.0;
+pub(super) const STRATA: f64 = 1.2;
+/// Nets through a map are not taken to be better than so much of VEGAS+.
+pub(super) const BEYOND_STRATA: f64 = 0.2;
+/// Cubature's errors are smaller than it says.
+pub(super) const CUBATURE: f64 = 0.07;
+/// Cubature's promise has to be so many times better than that of nets to end the
+/// pilot early.
+pub(super) const CLEARLY: f64 = 100.0;
+/// Not more than so many times worse, and it is followed further.
+pub(super) const PLAUSIBLE: f64 = 30.0;
+/// Fewer effective samples in the pilot tell nothing of what cubature may have
+/// missed.
+pub(super) const EFFECTIVE: f64 = 20.0;
+/// How many standard errors of the pilot cubature may be away from it.
+pub(super) const FAR: f64 = 8.0;
