@@ -131,3 +131,43 @@ impl<C: Coordinates> Coordinates for Recorder<C> {
         u
     }
 }
+
+#[cfg(all(test, feature = "serde"))]
+mod tests {
+    use core::ops::ControlFlow;
+
+    use crate::estimator::{Importance, TryEstimator, TryImportance};
+    use crate::integrator::{Integrator, MonteCarlo};
+    use crate::pdf::Interval;
+    use crate::sampler::Independent;
+
+    /// What is said of the first block, where it was computed, and where it was told.
+    fn here_and_there<E: TryEstimator + Clone>(estimator: E) -> [String; 2]
+    where
+        E::Error: core::fmt::Debug,
+    {
+        let mut integrator = MonteCarlo::new(estimator, Independent::new(7));
+        integrator.plan(1_000);
+        let mut other = integrator.clone();
+        let ControlFlow::Break(partial) = integrator.block(0) else {
+            panic!("nothing failed");
+        };
+        let told = postcard::to_stdvec(&partial).unwrap();
+        let told = postcard::from_bytes(&told).unwrap();
+        let here = integrator.absorb(partial, 1).unwrap_err();
+        let there = other.absorb(told, 1).unwrap_err();
+        [format!("{here:?}"), format!("{there:?}")]
+    }
+
+    #[test]
+    fn who_is_told_of_a_failure_finds_its_cause() {
+        let f = |x: f64| if x > 0.9 { Err("too far") } else { Ok(x) };
+        let [here, there] = here_and_there(TryImportance::new(f, Interval::unit()));
+        assert!(here.contains("too far"));
+        assert_eq!(here, there);
+        let f = |x: f64| if x > 0.9 { f64::NAN } else { x };
+        let [here, there] = here_and_there(Importance::new(f, Interval::unit()));
+        assert!(here.contains("NonFinite(NaN)"));
+        assert_eq!(here, there);
+    }
+}
