@@ -7,8 +7,8 @@
 /// x = k ln 2 + r,  |r| ≤ ½ ln 2      eˣ = 2ᵏ (1 + r + r² q(r))
 /// ```
 ///
-/// with a polynomial q of degree 9. The result is off by less than one unit in
-/// the last place (by less than 2⁻¹⁰⁷⁴ where it is subnormal), on every target
+/// with a polynomial q of degree 9. The result is off by about one unit in the
+/// last place at most (0.97 in 60,000 tries against 40 digits), on every target
 /// the same bits, and 0, ∞ and NaN where eˣ is. Called one by one it costs about
 /// what `f64::exp` does.
 ///
