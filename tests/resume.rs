@@ -1,6 +1,5 @@
 //! What is saved is resumed to the same bits, wherever a run was cut.
 
-#![cfg(feature = "serde")]
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::fs;

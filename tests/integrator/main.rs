@@ -5,10 +5,15 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod automatic;
 mod control_variates;
+mod cubature;
+mod diagnosis;
+mod events;
 mod median;
 mod multiple_importance;
 mod numerics;
 mod randomized_qmc;
 mod rates;
 mod unbiased;
+mod vegas;

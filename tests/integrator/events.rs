@@ -1,17 +1,13 @@
 //! Events and histograms of them: right on average, with covariances that hold, the
 //! same bits on threads, nothing lost where a run is broken off.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod support;
-
+use crate::support::{SEEDS, assert_plausible, assert_rejected, mean};
 use estimand::estimate::Histogram;
 use estimand::estimator::{Unweighted, largest_weight};
 use estimand::integrator::HistogramMonteCarlo;
 use estimand::pdf::{AdaptiveGrid, Through};
 use estimand::prelude::*;
 use estimand::verify::{self, tail};
-use support::{SEEDS, assert_plausible, assert_rejected, mean};
 
 /// x y² over the square by the sum of both: ∫ of it up to s.
 fn integrand([x, y]: [f64; 2]) -> f64 {

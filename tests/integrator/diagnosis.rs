@@ -1,19 +1,14 @@
 //! Bad answers are doubted, good ones are trusted, and intervals cover.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-#[path = "support/significance.rs"]
-mod significance;
-
 use std::f64::consts::{E, TAU};
 
+use crate::support::significance::{assert_plausible, assert_rejected};
 use estimand::estimate::{Bounds, ConfidenceInterval, Diagnosis, Symptom};
 use estimand::integrator::{BoundedMonteCarlo, ControlledMonteCarlo};
 use estimand::pdf::UnitCube;
 use estimand::prelude::*;
 use estimand::verify::tail::binomial;
 use proptest::prelude::*;
-use significance::{assert_plausible, assert_rejected};
 
 const SEEDS: u64 = 200;
 

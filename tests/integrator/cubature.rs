@@ -1,7 +1,5 @@
 //! Adaptive quadrature against integrals with exact values.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use core::f64::consts::PI;
 
 use estimand::estimate::{Measure, Tolerance};

@@ -1,16 +1,12 @@
 //! The integrator that finds the method: what it chooses, and that it is right.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod support;
-
 use core::cell::Cell;
 
+use crate::support::significance::{assert_plausible, assert_rejected};
 use estimand::estimate::ErrorSource;
 use estimand::integrator::{AutomaticError, AutomaticEstimate, Method, Why};
 use estimand::prelude::*;
 use estimand::verify::coverage;
-use support::significance::{assert_plausible, assert_rejected};
 
 fn of<const D: usize>(
     f: impl Fn([f64; D]) -> f64 + Sync,

@@ -2,22 +2,18 @@
 //! whatever was learned, bars that hold, courses that can be broken off and gone
 //! on with.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod support;
-
 use std::cell::Cell;
 use std::time::Instant;
 
+use crate::support::integrals::{Integral, integrals};
+use crate::support::sampler_laws::{assert_laws, points};
+use crate::support::{assert_plausible, assert_rejected, chi_squared, mean};
 use estimand::estimate::Tolerance;
 use estimand::integrator::{Learning, VegasError};
 use estimand::pdf::{AdaptiveGrid, AdaptiveGridError, Exponential, Through};
 use estimand::prelude::*;
 use estimand::sampler::{AdaptiveStrata, Block};
 use estimand::verify::tail;
-use support::integrals::{Integral, integrals};
-use support::sampler_laws::{assert_laws, points};
-use support::{assert_plausible, assert_rejected, chi_squared, mean};
 
 fn named(name: &str) -> Integral {
     integrals().into_iter().find(|i| i.name == name).unwrap()
