@@ -131,7 +131,11 @@ fn show(
 ) -> Result<(), Box<dyn Error>> {
     let e = found?.answer;
     let choice = e.choice.as_ref().ok_or("nothing was chosen")?;
-    let off = (e.mean - exact) / e.standard_error;
+    let off = if e.mean == exact {
+        0.0
+    } else {
+        (e.mean - exact) / e.standard_error
+    };
     let promises = choice.promises.iter().skip(1);
     let promises: Vec<String> = promises
         .map(|p| format!("{} {:.0e}", p.method, p.error))
