@@ -132,7 +132,8 @@ impl<C: Coordinates> Coordinates for Recorder<C> {
     }
 }
 
-#[cfg(all(test, feature = "serde"))]
+#[cfg(test)]
+#[cfg(feature = "serde")]
 mod tests {
     use core::ops::ControlFlow;
 
