@@ -123,10 +123,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         Some("--medium") => (
             &ALL,
             &[
-                (1_000, Seeds::Fixed(1_000)),
-                (10_000, Seeds::Fixed(400)),
-                (100_000, Seeds::Fixed(100)),
-                (1_000_000, Seeds::Fixed(20)),
+                (1_000, Seeds::Fixed(2_000)),
+                (10_000, Seeds::Fixed(1_000)),
+                (100_000, Seeds::Fixed(200)),
+                (1_000_000, Seeds::Fixed(40)),
             ],
         ),
         Some(other) => return Err(format!("--medium, --full or nothing, not {other}").into()),
