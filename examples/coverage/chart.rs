@@ -17,7 +17,7 @@ const COLOURS: [RGBColor; 4] = [
 ];
 const INK: RGBColor = RGBColor(40, 40, 40);
 const RULE: RGBColor = RGBColor(228, 228, 228);
-/// Less is drawn at the bottom.
+/// Less is drawn here, above the legend.
 const LEAST: f64 = 0.5;
 
 /// Writes `docs/coverage.svg`.
@@ -40,7 +40,7 @@ pub fn draw(cells: &[Cell]) -> Result<(), Box<dyn Error>> {
             .margin(10)
             .x_label_area_size(46)
             .y_label_area_size(58)
-            .build_cartesian_2d(-0.5..end, LEAST - 0.02..1.01)?;
+            .build_cartesian_2d(-0.5..end, LEAST - 0.2..1.01)?;
         let label = |x: &f64| {
             let near = (x - x.round()).abs() < 1e-6;
             let budget = budgets.get(x.round() as usize).filter(|_| near);
@@ -77,7 +77,7 @@ pub fn draw(cells: &[Cell]) -> Result<(), Box<dyn Error>> {
             let style = TextStyle::from(("sans-serif", 17).into_font())
                 .color(&colour)
                 .pos(Pos::new(HPos::Right, VPos::Center));
-            let y = LEAST + 0.05 + 0.035 * f64::from(3 - at);
+            let y = LEAST - 0.17 + 0.04 * f64::from(3 - at);
             chart.draw_series([Text::new(method.name(), (end - 0.05, y), style)])?;
         }
     }
