@@ -15,11 +15,11 @@ use crate::value::{Components, Value};
 /// use estimand::prelude::*;
 /// use estimand::estimate::{Diagnosis, Symptom};
 ///
-/// let estimate = integrate(|x: f64| x.powf(-0.75), Interval::unit(), &Stop::samples(10_000))?.answer;
+/// let estimate = monte_carlo(|x: f64| x.powf(-0.75), Interval::unit(), &Stop::samples(10_000))?.answer;
 /// let Diagnosis::Doubtful(doubts) = estimate.diagnosis() else { unreachable!() };
 /// assert!(doubts.iter().any(|d| matches!(d.symptom, Symptom::HeavyTail { shape, .. } if shape > 0.5)));
 ///
-/// let smooth = integrate(|x: f64| x.exp(), Interval::unit(), &Stop::samples(10_000))?.answer;
+/// let smooth = monte_carlo(|x: f64| x.exp(), Interval::unit(), &Stop::samples(10_000))?.answer;
 /// assert_eq!(smooth.diagnosis(), Diagnosis::Trusted);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
