@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-use estimand::estimator::ControlVariates;
+use estimand::estimator::{ControlVariates, Mapped};
 use estimand::integrator::ControlledMonteCarlo;
-use estimand::pdf::{Mixture, UnitCube};
+use estimand::pdf::{AdaptiveGrid, Mixture, UnitCube};
 use estimand::prelude::*;
 
 use crate::report::{
@@ -183,7 +183,7 @@ fn two_peaks() -> Outcome<Entry> {
         why: "a grid that learned both has 62 phantoms besides; one that learned one is content",
         claims: Naive::Undercovers,
         naive: None,
-        verdict: Verdict::Doubtful,
+        verdict: Verdict::Sometimes,
         ours,
         instead: "a Mixture of a pdf for each; integrate searches for peaks by itself",
         remedy: Some(remedy),
@@ -284,8 +284,21 @@ fn jump() -> Outcome<Entry> {
     };
     let exact = 0.405 + 0.3;
     let estimator = Importance::new(f, Interval::unit());
+    // Cells of equal weight, but that one of them reaches from 0.895, before the
+    // jump, to 0.99.
+    let low = (0..=560).map(|i| 0.895 * (f64::from(i) / 560.0).sqrt());
+    let high = (0..=439).map(|i| 0.99 + 0.01 * f64::from(i) / 439.0);
+    let mut edges: Vec<f64> = low.chain(high).collect();
+    edges[1000] = 1.0;
+    let grid = AdaptiveGrid::from_edges(&[edges])?;
+    let naive = Runs::of(exact, |seed| {
+        let behind = Mapped::new(&grid, estimator);
+        let mut integrator = MonteCarlo::new(behind, Independent::new(seed));
+        let e = run(&mut integrator, &Serial, &Stop::samples(N))?.answer;
+        Ok(Shot::naive(e.mean, e.standard_error, exact))
+    })?;
     let ours = Runs::of(exact, |seed| {
-        Ok(Shot::ours(&vegas(estimator, 1, seed, N)?, exact))
+        Ok(Shot::ours(&vegas(estimator, 1, seed, 10 * N)?, exact))
     })?;
     let parts = [(0.0, 0.9), (0.9, 0.99), (0.99, 1.0)].map(|(a, b)| Interval::new(a, b));
     let [low, gap, high] = parts;
@@ -295,10 +308,10 @@ fn jump() -> Outcome<Entry> {
     })?;
     Ok(Entry {
         name: "A learned map and a jump",
-        why: "one cell of the map has the jump inside: a sliver of it, seldom visited, has an \
-              f/p that is larger by far",
+        why: "one cell of the map reaches over the jump, and a sliver of it, seldom visited, \
+              has an f/p that is larger by far",
         claims: Naive::Undercovers,
-        naive: None,
+        naive: Some(naive),
         verdict: Verdict::Sometimes,
         ours,
         instead: "a p with an edge at the jump; where nobody knows it, plain Monte Carlo or a net",

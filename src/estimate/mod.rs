@@ -141,14 +141,14 @@ impl<V: Value> Estimate<V> {
         let known = covariance.is_some();
         let mut covariance = covariance.unwrap_or(V::Components::ZERO_MATRIX);
         for c in covariance.as_mut().iter_mut().flat_map(|row| row.as_mut()) {
-            // NaN is what squares that overflow leave: ∞ − ∞.
-            if !known || c.is_nan() {
+            // NaN and −∞ are what squares that overflow leave: ∞ − ∞, and less.
+            if !known || !c.is_finite() {
                 *c = f64::INFINITY;
             }
         }
         let mut standard_error = V::Components::ZERO;
         for (k, s) in standard_error.as_mut().iter_mut().enumerate() {
-            *s = covariance.as_ref()[k].as_ref()[k].sqrt();
+            *s = covariance.as_ref()[k].as_ref()[k].max(0.0).sqrt();
         }
         Some(Self {
             mean,

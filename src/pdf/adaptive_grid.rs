@@ -1,7 +1,7 @@
 //! Lepage's map: a grid that learns where an integrand is large.
 
 use super::grid_error::MOST_CELLS;
-use super::rebin::{FLOOR, NOISE, equalised, weights};
+use super::rebin::{FLOOR, NOISE, equalised, graded, weights};
 use super::{AdaptiveGridError, GridHistogram};
 
 /// A map of the unit cube, axis by axis, that learns: each axis is cut into
@@ -199,6 +199,9 @@ impl AdaptiveGrid {
     /// large value moves little. The share of the largest keeps a first peak from
     /// hiding a second.
     ///
+    /// A cell that is more than four times as wide as a neighbour is cut into cells that
+    /// double from there on, so that none reaches far over a jump.
+    ///
     /// An axis whose histogram is empty or not finite keeps its shape.
     ///
     /// # Errors
@@ -230,7 +233,7 @@ impl AdaptiveGrid {
             let weights = weights(histogram.axis(axis), alpha, FLOOR + noise);
             learned += usize::from(weights.is_some());
             let weights = weights.unwrap_or_else(|| vec![1.0; self.cells]);
-            edges.extend(equalised(old, &weights, cells));
+            edges.extend(graded(&equalised(old, &weights, cells)));
         }
         (self.edges, self.cells) = (edges, cells);
         Ok(learned)

@@ -57,3 +57,105 @@ pub(super) fn equalised(old: &[f64], weights: &[f64], cells: usize) -> Vec<f64> 
     }
     edges
 }
+
+/// The same cells, and a few more where one has a neighbour that is much narrower:
+/// from there on, cells grow by this factor.
+///
+/// Next to a jump, a wide cell of nothing may begin with a sliver of what lies before
+/// the jump. Hardly a sample falls into the sliver, and one that does weighs as much
+/// as the cell is wide.
+const GROWTH: f64 = 2.0;
+
+/// `edges` of as many cells as before, after cells of nearly the same weight were
+/// graded.
+pub(super) fn graded(edges: &[f64]) -> Vec<f64> {
+    let cells = edges.len() - 1;
+    let width = |i: Option<usize>| match i {
+        Some(i) if i < cells => edges[i + 1] - edges[i],
+        _ => f64::INFINITY,
+    };
+    let mut finer = Vec::with_capacity(edges.len());
+    for i in 0..cells {
+        let (mut start, mut end) = (edges[i], edges[i + 1]);
+        let mut rise = GROWTH * width(i.checked_sub(1));
+        let mut fall = GROWTH * width(Some(i + 1));
+        let mut behind = Vec::new();
+        finer.push(start);
+        while rise.min(fall) < 0.5 * (end - start) {
+            if rise <= fall {
+                start += rise;
+                finer.push(start);
+                rise *= GROWTH;
+            } else {
+                behind.push(end);
+                end -= fall;
+                fall *= GROWTH;
+            }
+        }
+        // What lies between the last from the left and the last from the right.
+        if !behind.is_empty() {
+            finer.push(end);
+            finer.extend(behind.into_iter().skip(1).rev());
+        }
+    }
+    finer.push(1.0);
+    if finer.len() == edges.len() {
+        return finer;
+    }
+    let even = vec![1.0; finer.len() - 1];
+    equalised(&finer, &even, cells)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn steepest(edges: &[f64]) -> f64 {
+        let widths: Vec<f64> = edges.windows(2).map(|e| e[1] - e[0]).collect();
+        let ratio = |w: &[f64]| (w[1] / w[0]).max(w[0] / w[1]);
+        widths.windows(2).map(ratio).fold(1.0, f64::max)
+    }
+
+    /// Four times, and what two cuts of one partition differ by.
+    #[test]
+    fn cells_grow_from_their_neighbours_on() {
+        let n = 1000_u32;
+        // All but ten cells before a jump at 0.3, or about a peak at 0.3; or one cell
+        // that is much wider than both of its neighbours.
+        let jump = (0..=990).map(|i| 0.3 * f64::from(i) / 990.0);
+        let jump: Vec<f64> = jump
+            .chain((1..=10).map(|i| 0.3 + 0.07 * f64::from(i)))
+            .collect();
+        let peak = (0..=n).map(|i| {
+            let t = 2.0 * f64::from(i) / f64::from(n) - 1.0;
+            if t < 0.0 {
+                0.3 - 0.3 * (-t).powi(5)
+            } else {
+                0.3 + 0.7 * t.powi(5)
+            }
+        });
+        let wide = |i| {
+            if i <= 500 {
+                1e-6 * f64::from(i)
+            } else {
+                1.0 - 1e-6 * f64::from(1000 - i)
+            }
+        };
+        for edges in [jump, peak.collect(), (0..=1000).map(wide).collect()] {
+            let after = graded(&edges);
+            assert_eq!((after.len(), after[0], after[1000]), (1001, 0.0, 1.0));
+            assert!(after.is_sorted_by(|a, b| a < b));
+            assert!(
+                steepest(&edges) > 20.0 && steepest(&after) < 8.0,
+                "{}",
+                steepest(&after)
+            );
+        }
+    }
+
+    #[test]
+    fn cells_that_are_alike_stay_to_the_bit() {
+        let edges: Vec<f64> = (0..=100).map(|i| (f64::from(i) / 100.0).powi(2)).collect();
+        assert_eq!(graded(&edges), edges);
+    }
+}

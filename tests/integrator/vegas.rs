@@ -74,6 +74,36 @@ fn intervals_cover() {
     }
 }
 
+/// A jump in two of six coordinates, where a cell of the grid might begin with a
+/// sliver that hardly a sample falls into: the interval covers, and is shorter than
+/// that of independent points.
+#[test]
+fn intervals_cover_beside_a_jump() {
+    const RUNS: u32 = 200;
+    let rates = [0.7, 1.3, 2.0, 0.4, 1.1, 0.9_f64];
+    let ends = [0.37, 0.61, 1.0, 1.0, 1.0, 1.0];
+    let part = |(a, end): (&f64, f64)| (a * end).exp_m1() / a;
+    let exact: f64 = rates.iter().zip(ends).map(part).product();
+    let f = |x: [f64; 6]| {
+        let inside = x[0] < ends[0] && x[1] < ends[1];
+        let exponent: f64 = rates.iter().zip(x).map(|(a, x)| a * x).sum();
+        f64::from(inside) * exponent.exp()
+    };
+    let estimator = Importance::new(f, UnitCube::<6>);
+    let (mut covered, mut halved) = (0, 0);
+    for seed in 0..RUNS.into() {
+        let e = estimate(&mut Vegas::new(&estimator, 6, seed).unwrap(), 30_000);
+        let i = e.interval(0.95).unwrap();
+        let off = (e.mean - exact).abs();
+        covered += u64::from(off <= 0.5 * (i.high - i.low));
+        halved += u64::from(off <= 0.25 * (i.high - i.low));
+        assert!(e.standard_error < 0.01 * exact);
+    }
+    let p = |hits| tail::binomial(hits, RUNS.into(), 0.95);
+    assert_plausible(p(covered), &format!("{covered} of {RUNS}"));
+    assert_rejected(p(halved), &format!("halved: {halved}"));
+}
+
 /// 400 of an integral that plain sampling knows to 1 %: here to a tenth of that.
 #[test]
 fn learning_pays() {
