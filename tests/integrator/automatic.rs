@@ -13,6 +13,8 @@ fn of<const D: usize>(
     seed: u64,
     budget: u64,
 ) -> AutomaticEstimate<f64> {
+    // One type for all: what is compiled is the integrator.
+    let f: &(dyn Fn([f64; D]) -> f64 + Sync) = &f;
     let estimator = Importance::new(f, UnitCube::<D>);
     let mut automatic = Automatic::new(&estimator, D, seed).unwrap();
     let answer = run(&mut automatic, &Serial, &Stop::samples(budget))
@@ -114,6 +116,8 @@ fn peaks_are_found_in_eight_dimensions() {
 #[test]
 fn the_bits_are_the_same_on_any_number_of_threads() {
     fn serial_and_threads<const D: usize>(f: impl Fn([f64; D]) -> f64 + Sync) {
+        // One type for all: what is compiled is the integrator.
+        let f: &(dyn Fn([f64; D]) -> f64 + Sync) = &f;
         let estimator = Importance::new(f, UnitCube::<D>);
         let stop = Stop::samples(60_000);
         let mut first = Automatic::new(&estimator, D, 3).unwrap();
@@ -144,6 +148,8 @@ fn rayon_pool(threads: usize) -> rayon::ThreadPool {
 #[test]
 fn goes_on_with_what_it_has_chosen() {
     fn continued<const D: usize>(f: impl Fn([f64; D]) -> f64) {
+        // One type for all: what is compiled is the integrator.
+        let f: &dyn Fn([f64; D]) -> f64 = &f;
         let estimator = Importance::new(f, UnitCube::<D>);
         let mut automatic = Automatic::new(&estimator, D, 5).unwrap();
         let few = run(&mut automatic, &Serial, &Stop::samples(100_000))

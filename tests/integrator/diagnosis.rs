@@ -13,6 +13,7 @@ use proptest::prelude::*;
 const SEEDS: u64 = 200;
 
 fn plain<const D: usize>(f: impl Fn([f64; D]) -> f64, seed: u64, n: u64) -> Estimate<f64> {
+    let f: &dyn Fn([f64; D]) -> f64 = &f;
     let estimator = Importance::new(f, UnitCube::<D>);
     let mut integrator = MonteCarlo::new(estimator, Independent::new(seed));
     run(&mut integrator, &Serial, &Stop::samples(n))
@@ -21,6 +22,7 @@ fn plain<const D: usize>(f: impl Fn([f64; D]) -> f64, seed: u64, n: u64) -> Esti
 }
 
 fn vegas<const D: usize>(f: impl Fn([f64; D]) -> f64, seed: u64, n: u64) -> Estimate<f64> {
+    let f: &dyn Fn([f64; D]) -> f64 = &f;
     let estimator = Importance::new(f, UnitCube::<D>);
     let mut integrator = Vegas::new(estimator, D, seed).unwrap();
     run(&mut integrator, &Serial, &Stop::samples(n))
@@ -29,6 +31,7 @@ fn vegas<const D: usize>(f: impl Fn([f64; D]) -> f64, seed: u64, n: u64) -> Esti
 }
 
 fn net<const D: usize>(f: impl Fn([f64; D]) -> f64, seed: u64, n: u64) -> Estimate<f64> {
+    let f: &dyn Fn([f64; D]) -> f64 = &f;
     let estimator = Importance::new(f, UnitCube::<D>);
     let sampler = Sobol::new(D)
         .unwrap()
@@ -40,6 +43,7 @@ fn net<const D: usize>(f: impl Fn([f64; D]) -> f64, seed: u64, n: u64) -> Estima
 }
 
 fn strata<const D: usize>(f: impl Fn([f64; D]) -> f64, seed: u64, n: u64) -> Estimate<f64> {
+    let f: &dyn Fn([f64; D]) -> f64 = &f;
     let estimator = Importance::new(f, UnitCube::<D>);
     let grid = Stratified::<D>::filling(n, 2, seed).unwrap();
     let mut integrator = StratifiedMonteCarlo::new(estimator, grid);
