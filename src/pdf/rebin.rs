@@ -58,16 +58,15 @@ pub(super) fn equalised(old: &[f64], weights: &[f64], cells: usize) -> Vec<f64> 
     edges
 }
 
-/// The same cells, and a few more where one has a neighbour that is much narrower:
-/// from there on, cells grow by this factor.
+/// By how much cells grow from a neighbour that is much narrower on.
+const GROWTH: f64 = 2.0;
+
+/// As many cells as before, of nearly the same weight: one that is more than twice
+/// `GROWTH` times as wide as a neighbour is cut into cells that grow from there on.
 ///
 /// Next to a jump, a wide cell of nothing may begin with a sliver of what lies before
 /// the jump. Hardly a sample falls into the sliver, and one that does weighs as much
 /// as the cell is wide.
-const GROWTH: f64 = 2.0;
-
-/// `edges` of as many cells as before, after cells of nearly the same weight were
-/// graded.
 pub(super) fn graded(edges: &[f64]) -> Vec<f64> {
     let cells = edges.len() - 1;
     let width = |i: Option<usize>| match i {
@@ -92,7 +91,7 @@ pub(super) fn graded(edges: &[f64]) -> Vec<f64> {
                 fall *= GROWTH;
             }
         }
-        // What lies between the last from the left and the last from the right.
+        // Cut from the right inwards; the first of them is where the next cell begins.
         if !behind.is_empty() {
             finer.push(end);
             finer.extend(behind.into_iter().skip(1).rev());

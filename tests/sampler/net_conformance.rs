@@ -1,6 +1,6 @@
 //! Lattices, Halton's sequence and Sobol's nets keep the laws of a sampler, and
 //! over replicates each point is uniform and their mean unbiased. A net's own
-//! laws are in `tests/sobol.rs`.
+//! laws are in `tests/sampler/sobol.rs`.
 
 use crate::support::sampler_laws::{assert_laws, points};
 use crate::support::uniformity::{dependent, interval, square};

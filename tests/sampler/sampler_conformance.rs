@@ -1,8 +1,8 @@
 //! Every sampler of the crate keeps the laws of [`Sampler`], by one suite for
 //! all; the iid ones are uniform and independent wherever a run may look; and
 //! the suite notices samplers that aren't. Strata are in
-//! `tests/strata_conformance.rs`, lattices and nets in
-//! `tests/net_conformance.rs`.
+//! `tests/sampler/strata_conformance.rs`, lattices and nets in
+//! `tests/sampler/net_conformance.rs`.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
