@@ -63,8 +63,8 @@ fn sum_5(x: [f64; 5]) -> f64 {
 }
 
 #[inline(always)]
-fn sum_5_lanes(x: [[f64; LANES]; 5]) -> [f64; LANES] {
-    let mut sum = x[0];
+fn sum_5_lanes(x: [&[f64; LANES]; 5]) -> [f64; LANES] {
+    let mut sum = *x[0];
     for x in &x[1..] {
         for l in 0..LANES {
             sum[l] += x[l];
@@ -88,7 +88,7 @@ fn gauss_5(x: [f64; 5], exp: impl Fn(f64) -> f64) -> f64 {
 }
 
 #[inline(always)]
-fn gauss_5_lanes(x: [[f64; LANES]; 5]) -> [f64; LANES] {
+fn gauss_5_lanes(x: [&[f64; LANES]; 5]) -> [f64; LANES] {
     let mut s = [0.0; LANES];
     for k in 0..5 {
         for l in 0..LANES {

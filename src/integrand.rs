@@ -63,7 +63,7 @@ impl<X, V: Value, F: Fn(X) -> V> Integrand<X> for F {
 }
 
 /// A function of [`LANES`] points side by side, coordinate by coordinate, that
-/// returns a value for each: in D dimensions `Fn([[f64; LANES]; D]) -> [V; LANES]`.
+/// returns a value for each: in D dimensions `Fn([&[f64; LANES]; D]) -> [V; LANES]`.
 ///
 /// Each value depends on the point in its own lane alone.
 ///
@@ -73,14 +73,14 @@ impl<X, V: Value, F: Fn(X) -> V> Integrand<X> for F {
 /// use estimand::integrand::{Integrand, OnLanes};
 /// use estimand::lanes::LANES;
 ///
-/// let f = OnLanes(|[x, y]: [[f64; LANES]; 2]| std::array::from_fn(|l| x[l] * y[l]));
+/// let f = OnLanes(|[x, y]: [&[f64; LANES]; 2]| std::array::from_fn(|l| x[l] * y[l]));
 /// let value: f64 = f.evaluate([2.0, 3.0]);
 /// assert_eq!(value, 6.0);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OnLanes<F>(pub F);
 
-impl<X: Lanes, V: Value, F: Fn(X::Lanes) -> [V; LANES]> Integrand<X> for OnLanes<F> {
+impl<X: Lanes, V: Value, F: for<'a> Fn(X::Lanes<'a>) -> [V; LANES]> Integrand<X> for OnLanes<F> {
     type Value = V;
 
     /// With the same point in all lanes.

@@ -41,7 +41,7 @@ fn techniques(samples: u64) {
 }
 
 fn lanes(samples: u64) {
-    let f = |[x, y]: [[f64; LANES]; 2]| std::array::from_fn(|l| x[l] * y[l]);
+    let f = |[x, y]: [&[f64; LANES]; 2]| std::array::from_fn(|l| x[l] * y[l]);
     let estimator = ImportanceLanes::new(f, UnitCube);
     let mut integrator = MonteCarlo::new(estimator, IndependentLanes::new(1));
     run(&mut integrator, &Serial, &Stop::samples(samples)).unwrap();

@@ -26,7 +26,7 @@ use crate::value::{Components, Value};
 /// use estimand::sampler::IndependentLanes;
 ///
 /// // ∫₁⁴ (x + 2) dx
-/// let f = |x: [f64; LANES]| x.map(|x| x + 2.0);
+/// let f = |x: &[f64; LANES]| x.map(|x| x + 2.0);
 /// let estimator = ImportanceLanes::new(f, Interval::new(1.0, 4.0)?);
 /// let mut integrator = MonteCarlo::new(estimator, IndependentLanes::new(7));
 /// let found = run(&mut integrator, &Serial, &Stop::samples(100_000))?.answer;
@@ -54,10 +54,10 @@ where
     P::Point: Lanes,
 {
     /// `integrand`/`pdf`, for an integrand that takes points side by side: in D
-    /// dimensions `Fn([[f64; LANES]; D]) -> [V; LANES]`.
+    /// dimensions `Fn([&[f64; LANES]; D]) -> [V; LANES]`.
     pub const fn new<V>(integrand: F, pdf: P) -> Self
     where
-        F: Fn(<P::Point as Lanes>::Lanes) -> [V; LANES],
+        F: for<'a> Fn(<P::Point as Lanes>::Lanes<'a>) -> [V; LANES],
     {
         Self {
             integrand: OnLanes(integrand),
@@ -196,18 +196,22 @@ where
     #[inline(always)]
     fn run(self) {
         let mut wider = [[0.0; LANES]; ROOM];
-        let groups = self.columns.chunks_exact_mut(P::Unit::COLUMNS);
-        for (values, group) in self.values.chunks_mut(LANES).zip(groups) {
-            let primaries = if P::Point::COLUMNS > P::Unit::COLUMNS {
+        let mut groups = self.columns.chunks_exact_mut(P::Unit::COLUMNS);
+        let mut primaries = |group: &mut [[f64; LANES]]| {
+            if P::Point::COLUMNS > P::Unit::COLUMNS {
                 wider[..P::Unit::COLUMNS].copy_from_slice(group);
                 self.estimator.primaries(&mut wider[..P::Point::COLUMNS])
             } else {
                 self.estimator.primaries(group)
-            };
-            match <&mut [_; LANES]>::try_from(&mut *values) {
-                Ok(values) => *values = primaries,
-                Err(_) => values.copy_from_slice(&primaries[..values.len()]),
             }
+        };
+        // Apart, so that whole groups stay in registers.
+        let (whole, rest) = self.values.as_chunks_mut();
+        for (values, group) in whole.iter_mut().zip(&mut groups) {
+            *values = primaries(group);
+        }
+        if let (false, Some(group)) = (rest.is_empty(), groups.next()) {
+            rest.copy_from_slice(&primaries(group)[..rest.len()]);
         }
     }
 }
@@ -258,13 +262,13 @@ mod tests {
     /// Estimates on lanes are those of `Importance`, whatever the number and
     /// wherever they begin; the points go on after them.
     #[track_caller]
-    fn agree<P: Pdf, L, S: Sampler>(
+    fn agree<P: Pdf, S: Sampler>(
         pdf: P,
         sampler: &S,
         one: impl Fn(P::Point) -> f64,
-        eight: impl Fn(L) -> [f64; LANES],
+        eight: impl for<'a> Fn(<P::Point as Lanes>::Lanes<'a>) -> [f64; LANES],
     ) where
-        P::Point: Lanes<Lanes = L>,
+        P::Point: Lanes,
     {
         let block = Block {
             index: 3,
@@ -302,12 +306,12 @@ mod tests {
     }
 
     #[track_caller]
-    fn on_all_samplers<P: Pdf, L>(
+    fn on_all_samplers<P: Pdf>(
         pdf: P,
         one: impl Fn(P::Point) -> f64,
-        eight: impl Fn(L) -> [f64; LANES],
+        eight: impl for<'a> Fn(<P::Point as Lanes>::Lanes<'a>) -> [f64; LANES],
     ) where
-        P::Point: Lanes<Lanes = L>,
+        P::Point: Lanes,
     {
         agree(&pdf, &IndependentLanes::new(7), &one, &eight);
         agree(&pdf, &Independent::new(7), &one, &eight);
@@ -316,7 +320,7 @@ mod tests {
 
     #[test]
     fn lanes_say_what_single_points_say() {
-        let each = |f: fn(f64) -> f64| move |x: [f64; LANES]| x.map(f);
+        let each = |f: fn(f64) -> f64| move |x: &[f64; LANES]| x.map(f);
         for (a, b) in [(1.0, 4.0), (1.0, INF), (-INF, 4.0), (-INF, INF)] {
             let f = |x: f64| exp(-x * x);
             on_all_samplers(Interval::new(a, b).unwrap(), f, each(f));
@@ -325,7 +329,7 @@ mod tests {
             on_all_samplers(
                 Cuboid::new([0.0..1.0, -1.0..end, 0.0..3.0]).unwrap(),
                 |[x, y, z]| x * y - exp(-z * z),
-                |[x, y, z]: [[f64; LANES]; 3]| {
+                |[x, y, z]: [&[f64; LANES]; 3]| {
                     core::array::from_fn(|l| x[l] * y[l] - exp(-z[l] * z[l]))
                 },
             );
@@ -333,13 +337,13 @@ mod tests {
         on_all_samplers(
             UnitCube::<40>,
             |x| x.iter().sum(),
-            |x: [[f64; LANES]; 40]| core::array::from_fn(|l| x.iter().map(|x| x[l]).sum()),
+            |x: [&[f64; LANES]; 40]| core::array::from_fn(|l| x.iter().map(|x| x[l]).sum()),
         );
         // No method of its own; points of more numbers than they take.
         on_all_samplers(
             (UniformSphere, Exponential::new(0.0, 2.0).unwrap()),
             |([x, _, z], t)| x * x + z * t,
-            |([x, _, z], t): ([[f64; LANES]; 3], [f64; LANES])| {
+            |([x, _, z], t): ([&[f64; LANES]; 3], &[f64; LANES])| {
                 core::array::from_fn(|l| x[l] * x[l] + z[l] * t[l])
             },
         );
@@ -378,7 +382,7 @@ mod tests {
     /// Values of several components, and a message about a point.
     #[test]
     fn any_value_will_do() {
-        let f = |x: [f64; LANES]| x.map(|x| [x as f32, 2.0]);
+        let f = |x: &[f64; LANES]| x.map(|x| [x as f32, 2.0]);
         let estimator = ImportanceLanes::new(f, Interval::new(0.0, 4.0).unwrap());
         let block = Block {
             index: 0,

@@ -8,7 +8,7 @@
 /// ```
 ///
 /// with a polynomial q of degree 9. The result is off by about one unit in the
-/// last place at most (0.97 in 60,000 tries against 40 digits), on every target
+/// last place at most (1.01 in 60,000 tries against 45 digits), on every target
 /// the same bits, and 0, ∞ and NaN where eˣ is. Called one by one it costs about
 /// what `f64::exp` does.
 ///
@@ -54,14 +54,15 @@ pub fn exp(x: f64) -> f64 {
     let x = if x < -750.0 { -750.0 } else { x };
     let k = (x * core::f64::consts::LOG2_E + TO_INTEGER) - TO_INTEGER;
     let r = (x - k * LN_2[0]) - k * LN_2[1];
-    let mut q = Q[0];
-    for c in &Q[1..] {
-        q = q * r + c;
-    }
+    // In pairs, then pairs of pairs (Estrin): most of it waits for r alone.
+    let r2 = r * r;
+    let pair = |k: usize| Q[k] * r + Q[k + 1];
+    let (r4, low) = (r2 * r2, pair(6) * r2 + pair(8));
+    let q = ((pair(0) * r2 + pair(2)) * r2 + pair(4)) * r4 + low;
     // In two steps: 2ᵏ alone may be too large or too small for a float.
     let half = 0.5 * k + TO_INTEGER;
     let rest = (k - (half - TO_INTEGER)) + TO_INTEGER;
-    (1.0 + (r + r * r * q)) * two_to(half) * two_to(rest)
+    (1.0 + (r + r2 * q)) * two_to(half) * two_to(rest)
 }
 
 /// 2ⁿ, with n in the last digits of a float.

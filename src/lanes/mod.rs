@@ -23,7 +23,7 @@
 //! let one = run(&mut MonteCarlo::new(one, points), &Serial, &budget)?.answer;
 //!
 //! let eight = ImportanceLanes::new(
-//!     |[x, y]: [[f64; LANES]; 2]| {
+//!     |[x, y]: [&[f64; LANES]; 2]| {
 //!         let mut f = [0.0; LANES];
 //!         for l in 0..LANES {
 //!             f[l] = exp(-x[l] * y[l]);
@@ -85,10 +85,10 @@ pub trait Lanes: Copy {
     /// How many numbers it is made of.
     const COLUMNS: usize;
     /// [`LANES`] of them: what an integrand on lanes takes.
-    type Lanes: Copy;
+    type Lanes<'a>: Copy;
 
     /// Those that the columns hold.
-    fn side_by_side(columns: &[[f64; LANES]]) -> Self::Lanes;
+    fn side_by_side(columns: &[[f64; LANES]]) -> Self::Lanes<'_>;
 
     /// The one in lane `l`, below [`LANES`].
     fn get(columns: &[[f64; LANES]], l: usize) -> Self;
@@ -99,7 +99,7 @@ pub trait Lanes: Copy {
 
 impl Lanes for () {
     const COLUMNS: usize = 0;
-    type Lanes = ();
+    type Lanes<'a> = ();
     #[inline(always)]
     fn side_by_side(_: &[[f64; LANES]]) {}
     #[inline(always)]
@@ -110,10 +110,10 @@ impl Lanes for () {
 
 impl Lanes for f64 {
     const COLUMNS: usize = 1;
-    type Lanes = [f64; LANES];
+    type Lanes<'a> = &'a [f64; LANES];
     #[inline(always)]
-    fn side_by_side(columns: &[[f64; LANES]]) -> [f64; LANES] {
-        columns[0]
+    fn side_by_side(columns: &[[f64; LANES]]) -> &[f64; LANES] {
+        &columns[0]
     }
     #[inline(always)]
     fn get(columns: &[[f64; LANES]], l: usize) -> f64 {
@@ -127,9 +127,9 @@ impl Lanes for f64 {
 
 impl<T: Lanes, const D: usize> Lanes for [T; D] {
     const COLUMNS: usize = D * T::COLUMNS;
-    type Lanes = [T::Lanes; D];
+    type Lanes<'a> = [T::Lanes<'a>; D];
     #[inline(always)]
-    fn side_by_side(columns: &[[f64; LANES]]) -> [T::Lanes; D] {
+    fn side_by_side(columns: &[[f64; LANES]]) -> [T::Lanes<'_>; D] {
         core::array::from_fn(|k| T::side_by_side(&columns[k * T::COLUMNS..(k + 1) * T::COLUMNS]))
     }
     #[inline(always)]
@@ -146,9 +146,9 @@ impl<T: Lanes, const D: usize> Lanes for [T; D] {
 
 impl<A: Lanes, B: Lanes> Lanes for (A, B) {
     const COLUMNS: usize = A::COLUMNS + B::COLUMNS;
-    type Lanes = (A::Lanes, B::Lanes);
+    type Lanes<'a> = (A::Lanes<'a>, B::Lanes<'a>);
     #[inline(always)]
-    fn side_by_side(columns: &[[f64; LANES]]) -> Self::Lanes {
+    fn side_by_side(columns: &[[f64; LANES]]) -> Self::Lanes<'_> {
         let (a, b) = columns.split_at(A::COLUMNS);
         (A::side_by_side(a), B::side_by_side(b))
     }

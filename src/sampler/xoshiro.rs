@@ -158,6 +158,8 @@ impl Xoshiro256PlusX8 {
 
 /// Four words in a vector.
 trait Four: Word {
+    /// Whether a register holds all four.
+    const WHOLE: bool;
     /// Other words in a vector of this kind.
     fn with(self, words: [u64; 4]) -> Self;
     fn words(self) -> [u64; 4];
@@ -166,6 +168,7 @@ trait Four: Word {
 }
 
 impl Four for u64x4 {
+    const WHOLE: bool = cfg!(target_feature = "avx2");
     #[inline(always)]
     fn with(self, words: [u64; 4]) -> Self {
         Self::new(words)
@@ -180,21 +183,43 @@ impl Four for u64x4 {
     }
 }
 
-/// [`Xoshiro256PlusX8::fill`], four at a time: their state stays in registers.
-/// `one` has the bits of 1.
+/// [`Xoshiro256PlusX8::fill`], in vectors whose state stays in registers, of which
+/// there are sixteen: all eight generators at once where a register holds four
+/// words, half of them after the other where it holds two. `one` has the bits of 1.
 #[inline(always)]
 fn fill<W: Four>(state: &mut [[u64; LANES]; 4], columns: &mut [[f64; LANES]], one: W) {
-    for half in 0..2 {
-        let mut words = [one; 4];
+    if W::WHOLE {
+        fill_some::<W, 2>(state, columns, one, 0);
+    } else {
+        fill_some::<W, 1>(state, columns, one, 0);
+        fill_some::<W, 1>(state, columns, one, 1);
+    }
+}
+
+/// Those of `N` fours, from `first` on, side by side: a step waits for the one
+/// before, so that two of them take little longer than one.
+#[inline(always)]
+fn fill_some<W: Four, const N: usize>(
+    state: &mut [[u64; LANES]; 4],
+    columns: &mut [[f64; LANES]],
+    one: W,
+    first: usize,
+) {
+    let mut words = [[one; 4]; N];
+    for (four, words) in words.iter_mut().enumerate() {
         for (new, word) in words.iter_mut().zip(&*state) {
-            *new = one.with(word.as_chunks().0[half]);
+            *new = one.with(word.as_chunks().0[first + four]);
         }
-        for column in &mut *columns {
-            let digits = (step(&mut words) >> 12) | one;
-            column.as_chunks_mut().0[half] = digits.less_one();
+    }
+    for column in &mut *columns {
+        for (four, words) in words.iter_mut().enumerate() {
+            let digits = (step(words) >> 12) | one;
+            column.as_chunks_mut().0[first + four] = digits.less_one();
         }
+    }
+    for (four, words) in words.into_iter().enumerate() {
         for (word, new) in state.iter_mut().zip(words) {
-            word.as_chunks_mut().0[half] = new.words();
+            word.as_chunks_mut().0[first + four] = new.words();
         }
     }
 }

@@ -47,6 +47,7 @@ struct Vector(V3, __m256i);
 impl Word for Vector {}
 
 impl Four for Vector {
+    const WHOLE: bool = true;
     #[inline(always)]
     fn with(self, words: [u64; 4]) -> Self {
         Self(self.0, pulp::cast(words))
