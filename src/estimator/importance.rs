@@ -133,6 +133,11 @@ impl<P: Pdf, F: Integrand<P::Point>> Estimator for Importance<F, P> {
         }
     }
 
+    #[inline]
+    fn dimension(&self) -> Option<usize> {
+        Some(P::Unit::DIM)
+    }
+
     fn locate<C: Coordinates>(&self, u: &mut C) -> Location {
         locate(&self.pdf, u)
     }
@@ -163,6 +168,11 @@ impl<P: Pdf, V: Value, E, F: Fn(P::Point) -> Result<V, E>> TryEstimator for TryI
     fn try_estimate<C: Coordinates>(&self, u: &mut C) -> Result<V::Wide, E> {
         let x = self.pdf.sample(P::Unit::read(u));
         Ok(weigh((self.integrand)(x.point)?, x.density))
+    }
+
+    #[inline]
+    fn dimension(&self) -> Option<usize> {
+        Some(P::Unit::DIM)
     }
 
     fn locate<C: Coordinates>(&self, u: &mut C) -> Location {

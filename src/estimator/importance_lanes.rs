@@ -240,6 +240,11 @@ where
         }
     }
 
+    #[inline]
+    fn dimension(&self) -> Option<usize> {
+        Some(P::Unit::DIM)
+    }
+
     fn locate<C: Coordinates>(&self, u: &mut C) -> Location {
         locate(&self.pdf, u)
     }

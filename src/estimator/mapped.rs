@@ -2,6 +2,7 @@
 
 use core::borrow::Borrow;
 
+use super::mapped_lanes::through_all;
 use super::{Location, TryEstimator};
 use crate::pdf::{AdaptiveGrid, GridNode, warp};
 use crate::sampler::Coordinates;
@@ -60,6 +61,28 @@ impl<E: TryEstimator, G: Borrow<AdaptiveGrid>> TryEstimator for Mapped<E, G> {
     #[inline]
     fn try_estimate<C: Coordinates>(&self, u: &mut C) -> Result<Self::Value, E::Error> {
         through(self.grid.borrow(), &self.estimator, u, |_, _| ())
+    }
+
+    #[inline]
+    fn try_estimate_all<C: Coordinates>(
+        &self,
+        points: &mut C,
+        values: &mut [Self::Value],
+    ) -> Result<(), (usize, E::Error)> {
+        let one = |u: &mut C| self.try_estimate(u);
+        through_all(
+            self.grid.borrow(),
+            &self.estimator,
+            points,
+            values,
+            one,
+            |_, _| (),
+        )
+    }
+
+    #[inline]
+    fn dimension(&self) -> Option<usize> {
+        self.estimator.dimension()
     }
 
     fn locate<C: Coordinates>(&self, u: &mut C) -> Location {

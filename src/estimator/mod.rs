@@ -12,6 +12,7 @@ mod heuristic;
 mod importance;
 mod importance_lanes;
 mod mapped;
+mod mapped_lanes;
 mod multi_sample;
 mod multiple_importance;
 mod one_sample;
@@ -31,6 +32,7 @@ use importance::{locate, weigh};
 pub use importance_lanes::ImportanceLanes;
 pub use mapped::Mapped;
 pub(crate) use mapped::through;
+pub(crate) use mapped_lanes::through_all;
 pub use multi_sample::{MultiSample, MultiSampleError};
 pub use multiple_importance::{Combination, Draw, MultipleImportance};
 pub use one_sample::{OneSample, OneSampleError};
@@ -62,6 +64,16 @@ pub trait Estimator {
     #[inline]
     fn estimate_all<C: Coordinates>(&self, points: &mut C, values: &mut [Self::Value]) {
         one_by_one(self, points, values);
+    }
+
+    /// How many coordinates it reads, where that is always the same number: points
+    /// can then be read several at a time.
+    ///
+    /// Provided: nothing is known of it. Where it is not true, coordinates past
+    /// the last are NaN.
+    #[inline]
+    fn dimension(&self) -> Option<usize> {
+        None
     }
 
     /// Where the point with these coordinates lies, for a message about it.
@@ -96,6 +108,11 @@ impl<E: Estimator> Estimator for &E {
     #[inline]
     fn estimate_all<C: Coordinates>(&self, points: &mut C, values: &mut [E::Value]) {
         (**self).estimate_all(points, values);
+    }
+
+    #[inline]
+    fn dimension(&self) -> Option<usize> {
+        Estimator::dimension(*self)
     }
 
     fn locate<C: Coordinates>(&self, u: &mut C) -> Location {
@@ -146,6 +163,12 @@ pub trait TryEstimator {
         Ok(())
     }
 
+    /// [`Estimator::dimension`].
+    #[inline]
+    fn dimension(&self) -> Option<usize> {
+        None
+    }
+
     /// Where the point with these coordinates lies, for a message about it.
     /// Reads the coordinates that [`try_estimate`](Self::try_estimate) reads.
     fn locate<C: Coordinates>(&self, u: &mut C) -> Location {
@@ -171,6 +194,11 @@ impl<E: Estimator> TryEstimator for E {
     ) -> Result<(), (usize, Infallible)> {
         self.estimate_all(points, values);
         Ok(())
+    }
+
+    #[inline]
+    fn dimension(&self) -> Option<usize> {
+        Estimator::dimension(self)
     }
 
     fn locate<C: Coordinates>(&self, u: &mut C) -> Location {

@@ -56,6 +56,11 @@ impl<V: Value, F: Fn(&[f64]) -> V> Estimator for SliceImportance<'_, F> {
         self.with(u, |x, density| weigh((self.f)(x), density))
     }
 
+    #[inline]
+    fn dimension(&self) -> Option<usize> {
+        Some(self.ranges.len())
+    }
+
     fn locate<C: Coordinates>(&self, u: &mut C) -> Location {
         let Sample { point, density } = self.with(u, |x, density| Sample {
             point: format!("{x:?}"),

@@ -1,6 +1,7 @@
 //! Lepage's map: a grid that learns where an integrand is large.
 
 use super::grid_error::MOST_CELLS;
+use super::grid_warp::{BELOW_ONE, warp};
 use super::rebin::{FLOOR, NOISE, equalised, graded, weights};
 use super::{AdaptiveGridError, GridHistogram};
 
@@ -199,6 +200,10 @@ impl AdaptiveGrid {
     /// large value moves little. The share of the largest keeps a first peak from
     /// hiding a second.
     ///
+    /// A cell without samples has the average of those around it; averages are moved
+    /// towards their mean by as much as chance explains that they differ, so that a
+    /// hundred axes along which f hardly varies stay as they are.
+    ///
     /// A cell that is more than four times as wide as a neighbour is cut into cells that
     /// double from there on, so that none reaches far over a jump.
     ///
@@ -230,7 +235,8 @@ impl AdaptiveGrid {
         let mut edges = Vec::with_capacity(self.dimension() * (cells + 1));
         let axes = self.edges.chunks(self.cells + 1);
         for (axis, old) in axes.enumerate() {
-            let weights = weights(histogram.axis(axis), alpha, FLOOR + noise);
+            let sums = histogram.axis(axis);
+            let weights = weights(sums, histogram.fourth(), alpha, FLOOR + noise);
             learned += usize::from(weights.is_some());
             let weights = weights.unwrap_or_else(|| vec![1.0; self.cells]);
             edges.extend(graded(&equalised(old, &weights, cells)));
@@ -277,27 +283,6 @@ impl AdaptiveGrid {
         Ok(())
     }
 }
-
-/// [`AdaptiveGrid::warp`] between these edges.
-#[inline]
-pub(crate) fn warp(edges: &[f64], u: f64) -> GridNode {
-    // Narrow integers are cheaper to convert, and cells are few.
-    let n = f64::from(edges.len() as i32 - 1);
-    // Below n, for u ≤ 1 − 2⁻⁵³: half a unit in the last place of what lies below
-    // n is at most n 2⁻⁵³.
-    let position = u * n;
-    let cell = position as i32;
-    let index = cell as usize;
-    let (start, width) = (edges[index], edges[index + 1] - edges[index]);
-    let x = start + (position - f64::from(cell)) * width;
-    GridNode {
-        x: if BELOW_ONE < x { BELOW_ONE } else { x },
-        width: width * n,
-        cell: index,
-    }
-}
-
-const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 #[cfg(test)]
 mod tests {
@@ -387,11 +372,11 @@ mod tests {
     /// One sample among many cells is hardly evidence; a thousand are.
     #[test]
     fn one_large_value_moves_little() {
-        let largest_cell = |n: u32| {
+        let largest_cell = |n: usize| {
             let mut grid = AdaptiveGrid::new(1, 100).unwrap();
             let mut h = GridHistogram::of(&grid);
-            for _ in 0..n {
-                h.add(&[50], 1.0);
+            for cell in (0..100).cycle().take(100 * n) {
+                h.add(&[cell], if cell == 50 { 1.0 } else { 0.0 });
             }
             grid.refine(&h, 0.5, 100).unwrap();
             let cells = grid.edges(0).windows(2).map(|e| e[1] - e[0]);

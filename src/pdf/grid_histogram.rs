@@ -56,6 +56,11 @@ impl GridHistogram {
         self.sums.len()
     }
 
+    /// Σ (f/p)⁴.
+    pub(super) const fn fourth(&self) -> f64 {
+        self.fourth
+    }
+
     /// (number, Σ (f/p)²) for each cell of an axis.
     pub(super) fn axis(&self, axis: usize) -> &[(f64, f64)] {
         &self.sums[axis * self.cells..][..self.cells]
@@ -69,8 +74,14 @@ impl GridHistogram {
     /// If there is no such cell.
     #[inline]
     pub fn add(&mut self, cells: &[usize], square: f64) {
+        self.add_cells(cells.iter().copied(), square);
+    }
+
+    /// [`add`](Self::add).
+    #[inline]
+    pub(crate) fn add_cells(&mut self, cells: impl IntoIterator<Item = usize>, square: f64) {
         for (axis, cell) in self.sums.chunks_exact_mut(self.cells).zip(cells) {
-            let (count, sum) = &mut axis[*cell];
+            let (count, sum) = &mut axis[cell];
             *count += 1.0;
             *sum += square;
         }

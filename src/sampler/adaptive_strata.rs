@@ -3,8 +3,10 @@
 use core::fmt;
 use core::ops::Range;
 
+use super::independent_lanes::IndependentLanesStream;
 use super::stratified::width;
-use super::{Block, Coordinates, Independent, IndependentStream, Sampler};
+use super::{Block, Coordinates, IndependentLanes, Sampler};
+use crate::lanes::LANES;
 
 /// A grid of strata, each with a number of points of its own: many where an
 /// integrand varies much, two where it does not.
@@ -42,7 +44,7 @@ pub struct AdaptiveStrata {
     counts: Vec<u64>,
     /// The number of the first point of each stratum, and of all points.
     starts: Vec<u64>,
-    jitter: Independent,
+    jitter: IndependentLanes,
 }
 
 /// Why strata could not be made, or points not be given to them.
@@ -133,7 +135,7 @@ impl AdaptiveStrata {
         Ok(Self {
             starts: (0..=product).map(|m| 2 * m).collect(),
             counts,
-            jitter: Independent::new(seed),
+            jitter: IndependentLanes::new(seed),
         })
     }
 
@@ -172,12 +174,10 @@ impl AdaptiveStrata {
         };
         // No power of a quotient of floats overflows.
         let largest = spreads.iter().copied().fold(0.0, f64::max);
-        let weight = |&s: &f64| {
-            if largest > 0.0 {
-                (s / largest).powf(beta)
-            } else {
-                1.0
-            }
+        let weight = |&s: &f64| match s / largest {
+            _ if largest == 0.0 => 1.0,
+            share if beta == 0.5 => share.sqrt(),
+            share => share.powf(beta),
         };
         let total: f64 = spreads.iter().map(weight).sum();
         let (mut sum, mut given) = (0.0, 0);
@@ -261,7 +261,7 @@ pub struct AdaptiveStrataStream<'a> {
     /// (jₖ, 1/nₖ) of each axis that is cut.
     cell: Vec<(f64, f64)>,
     axis: usize,
-    jitter: IndependentStream,
+    jitter: IndependentLanesStream,
 }
 
 impl AdaptiveStrataStream<'_> {
@@ -288,15 +288,23 @@ impl AdaptiveStrataStream<'_> {
     }
 }
 
-impl Coordinates for AdaptiveStrataStream<'_> {
+impl AdaptiveStrataStream<'_> {
+    /// Moves on by a point.
     #[inline]
-    fn next_point(&mut self) {
-        self.jitter.next_point();
+    fn advance(&mut self) {
         if self.left == 0 {
             self.step();
         }
         self.left -= 1;
         self.axis = 0;
+    }
+}
+
+impl Coordinates for AdaptiveStrataStream<'_> {
+    #[inline]
+    fn next_point(&mut self) {
+        self.jitter.next_point();
+        self.advance();
     }
 
     #[inline]
@@ -309,6 +317,24 @@ impl Coordinates for AdaptiveStrataStream<'_> {
             }
             None => u,
         }
+    }
+
+    #[inline]
+    fn fill_lanes(&mut self, dim: usize, columns: &mut [[f64; LANES]]) {
+        self.jitter.fill_lanes(dim, columns);
+        for group in columns.chunks_exact_mut(dim.max(1)) {
+            for l in 0..LANES {
+                self.advance();
+                for (column, (j, width)) in group.iter_mut().zip(&self.cell) {
+                    column[l] = (j + column[l]) * width;
+                }
+            }
+        }
+    }
+
+    #[inline]
+    fn until_lanes(&self) -> usize {
+        self.jitter.until_lanes()
     }
 }
 

@@ -4,7 +4,7 @@ use core::cell::RefCell;
 use core::ops::{ControlFlow, Range};
 
 use crate::estimate::{Moments, Tail};
-use crate::estimator::{Location, Mapped, TryEstimator, through};
+use crate::estimator::{Location, Mapped, TryEstimator, through, through_all};
 use crate::integrator::NonFinite;
 use crate::integrator::sample_block::{is_finite, sample_block};
 use crate::integrator::sample_error::Failure;
@@ -116,6 +116,23 @@ impl<'a, E> Pupil<'a, E> {
     }
 }
 
+impl<E: TryEstimator> Pupil<'_, E> {
+    /// What the grid learns from this value; nothing if it is not finite, which is
+    /// reported by whoever asked for it.
+    #[inline]
+    fn square(&self, value: &Wide<E>) -> Option<f64> {
+        let square = |(x, scale): (&f64, &f64)| (x * scale) * (x * scale);
+        let components = value.components();
+        let sum: f64 = components
+            .as_ref()
+            .iter()
+            .zip(self.scales)
+            .map(square)
+            .sum();
+        sum.is_finite().then_some(sum)
+    }
+}
+
 impl<E: TryEstimator> TryEstimator for Pupil<'_, E> {
     type Value = Wide<E>;
     type Error = E::Error;
@@ -127,15 +144,28 @@ impl<E: TryEstimator> TryEstimator for Pupil<'_, E> {
         let Mapped { grid, estimator } = self.mapped;
         notes.cells.clear();
         let value = through(grid, estimator, u, |_, node| notes.cells.push(node.cell))?;
-        let square = |(x, scale): (&f64, &f64)| (x * scale) * (x * scale);
-        let components = value.components();
-        let terms = components.as_ref().iter().zip(self.scales).map(square);
-        let sum: f64 = terms.sum();
-        // What is not finite is reported by whoever asked for the value.
-        if sum.is_finite() {
+        if let Some(sum) = self.square(&value) {
             notes.histogram.add(&notes.cells, sum);
         }
         Ok(value)
+    }
+
+    #[inline]
+    fn try_estimate_all<C: Coordinates>(
+        &self,
+        points: &mut C,
+        values: &mut [Wide<E>],
+    ) -> Result<(), (usize, E::Error)> {
+        let Mapped { grid, estimator } = self.mapped;
+        let one = |u: &mut C| self.try_estimate(u);
+        through_all(grid, estimator, points, values, one, |cells, values| {
+            let histogram = &mut self.notes.borrow_mut().histogram;
+            for (l, value) in values.iter().enumerate() {
+                if let Some(sum) = self.square(value) {
+                    histogram.add_cells(cells.iter().map(|cells| cells[l] as usize), sum);
+                }
+            }
+        })
     }
 
     fn locate<C: Coordinates>(&self, u: &mut C) -> Location {
@@ -248,8 +278,8 @@ impl<V: Value, E> Merge for SweepPartial<V, E> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimator::FromFn;
-    use crate::pdf::AdaptiveGrid;
+    use crate::estimator::{FromFn, Importance};
+    use crate::pdf::{AdaptiveGrid, UnitCube};
     use crate::sampler::{Replay, Sampler};
 
     /// A coordinate that a sample does not read tells nothing of it: not even where
@@ -273,5 +303,30 @@ mod tests {
         expected.add(&[1, 1], 1.5 * 1.5);
         expected.add(&[0], 3.0 * 3.0);
         assert_eq!(pupil.notes.into_inner().histogram, expected);
+    }
+
+    /// Eight at a time, the grid learns what it learns one by one.
+    #[test]
+    fn lanes_teach_what_single_points_teach() {
+        let f = |[x, y]: [f64; 2]| if x < 0.1 { f64::INFINITY } else { x * y };
+        let mapped = Mapped::new(
+            AdaptiveGrid::new(2, 5).unwrap(),
+            Importance::new(f, UnitCube),
+        );
+        let strata = AdaptiveStrata::new(2, 9, 7).unwrap();
+        let (index, start, len) = (0, 0, 100);
+        let block = Block { index, start, len };
+        let one = Pupil::new(&mapped, &[1.0]);
+        let mut points = strata.stream(block);
+        for _ in 0..len {
+            points.next_point();
+            assert!(one.try_estimate(&mut points).is_ok());
+        }
+        let eight = Pupil::new(&mapped, &[1.0]);
+        let result = eight.try_estimate_all(&mut strata.stream(block), &mut [0.0; 100]);
+        assert!(result.is_ok());
+        let [one, eight] = [one, eight].map(|pupil| pupil.notes.into_inner().histogram);
+        assert_eq!(eight, one);
+        assert_ne!(eight, GridHistogram::of(&mapped.grid));
     }
 }
