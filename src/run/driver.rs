@@ -206,12 +206,14 @@ pub(super) fn drive<I: Integrator>(
     stop.check(integrator.components())
         .map_err(RunError::Stop)?;
     let start = Instant::now();
-    let before = integrator.spent();
+    let mut before = integrator.spent();
     let cancelled = || stop.cancel.as_ref().is_some_and(|c| c.is_cancelled());
     let late = || stop.time.is_some_and(|limit| start.elapsed() >= limit);
     let past = |due: Option<Instant>| due.is_some_and(|due| Instant::now() >= due);
     let mut open = saving.open();
+    let mut resumed = open.as_ref().map_or(0, |(pass, _)| pass.next());
     let mut saved = false;
+    let mut passes = 0;
     let reason = loop {
         let (mut pass, blocks) = match open.take() {
             Some(open) => open,
@@ -270,7 +272,21 @@ pub(super) fn drive<I: Integrator>(
                     error: Box::new(error),
                     partial: integrator.answer().map(Box::new),
                 })?;
-            progress(Progress::new(integrator, stop, before, start.elapsed()));
+            passes += 1;
+            if resumed > 0 {
+                // Its blocks are of about the same length.
+                let share = resumed as f64 / blocks as f64;
+                before += (share * (integrator.spent() - before) as f64) as u64;
+                resumed = 0;
+            }
+            progress(Progress {
+                integrator,
+                elapsed: start.elapsed(),
+                pass: passes,
+                stop,
+                before,
+                leads: executor.leads(),
+            });
         }
     };
     if !saved {
