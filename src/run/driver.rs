@@ -285,6 +285,7 @@ pub(super) fn drive<I: Integrator>(
                 pass: passes,
                 stop,
                 before,
+                #[cfg(feature = "log")]
                 leads: executor.leads(),
             });
         }

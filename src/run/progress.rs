@@ -40,6 +40,7 @@ pub struct Progress<'a, I> {
     /// Samples that were there when this run began.
     pub(super) before: u64,
     /// Whether this process is the one that speaks for all.
+    #[cfg(feature = "log")]
     pub(super) leads: bool,
 }
 
@@ -191,6 +192,7 @@ mod tests {
                 pass: 1,
                 stop,
                 before,
+                #[cfg(feature = "log")]
                 leads: true,
             };
             (progress.rate(), progress.remaining())
@@ -225,6 +227,7 @@ mod tests {
             pass: 3,
             stop: &stop,
             before: 0,
+            #[cfg(feature = "log")]
             leads: true,
         };
         let line = format!("pass 3: 1000 samples, 5.0e2/s, {answer}, 6.0 s left");
