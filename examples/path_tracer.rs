@@ -13,6 +13,8 @@
 //! Ctrl-C stops it with the picture so far, in the same files; the same command goes
 //! on from there, and ends with the bits of a run that was never stopped.
 
+#[path = "support/picture.rs"]
+mod picture;
 #[path = "support/saved.rs"]
 mod saved;
 #[path = "support/switch.rs"]
@@ -28,7 +30,7 @@ use estimand::prelude::*;
 use estimand::render::{Film, Image, Radiance, RandomizedFilm, Technique, scenes};
 use estimand::run::{Checkpoint, ResumeError, RunError, resume};
 use estimand::sampler::DigitalShift;
-use image::ExtendedColorType;
+use png::ColorType;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -161,16 +163,15 @@ fn report(plain: &Finished<Image>, net: &Finished<Image>, rays: Option<&Estimate
 }
 
 fn write(image: &Image, folder: &Path) -> Result<(), Error> {
-    let save = |name: &str, bytes: &[u8], colour: ExtendedColorType| {
-        image::save_buffer(folder.join(name), bytes, image.width, image.height, colour)
-    };
-    save("path_tracer.png", &image.srgb(), ExtendedColorType::Rgb8)?;
+    let create = |name: &str| File::create(folder.join(name)).map(BufWriter::new);
+    let file = create("path_tracer.png")?;
+    picture::write_png(file, image, &image.srgb(), ColorType::Rgb)?;
     // White where the error is five times that of the image.
     let errors = image
         .error_grey(5.0 * image.rms_error())
         .ok_or("no error to show")?;
-    save("path_tracer_error.png", &errors, ExtendedColorType::L8)?;
-    let create = |name: &str| File::create(folder.join(name)).map(BufWriter::new);
+    let file = create("path_tracer_error.png")?;
+    picture::write_png(file, image, &errors, ColorType::Grayscale)?;
     image.write_pfm(create("path_tracer.pfm")?)?;
     image.write_error_pfm(create("path_tracer_error.pfm")?)?;
     println!(
