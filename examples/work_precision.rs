@@ -22,9 +22,12 @@ use estimand::sampler::Owen;
 mod integrals;
 #[path = "support/on_cube.rs"]
 mod on_cube;
+#[path = "support/spend.rs"]
+mod spend;
 
 use integrals::{Integral, integrals};
-use on_cube::{OnCube, spend};
+use on_cube::OnCube;
+use spend::spend;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 

@@ -22,6 +22,8 @@ mod integrals;
 #[path = "../support/on_cube.rs"]
 mod on_cube;
 mod programs;
+#[path = "../support/spend.rs"]
+mod spend;
 mod target;
 
 use std::collections::BTreeMap;
@@ -35,8 +37,9 @@ use estimand::prelude::*;
 use estimand::sampler::Owen;
 
 use integrals::{Integral, integrals};
-use on_cube::{OnCube, spend};
+use on_cube::OnCube;
 use programs::{PEERS, Peer};
+use spend::spend;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
