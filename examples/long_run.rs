@@ -1,20 +1,41 @@
-//! A run that may take hours: a bar, a checkpoint, and Ctrl-C.
+//! A run that may take hours: a bar, a log, a checkpoint, and Ctrl-C.
 //!
 //! ```sh
-//! cargo run --release --features serde --example long_run [-- SAMPLES [FILE]]
+//! cargo run --release --features log,serde --example long_run [-- SAMPLES [FILE]]
 //! ```
 //!
 //! Ctrl-C stops it with the answer so far. The same command goes on where it was,
 //! after a crash too, and ends with the bits of a run that was never stopped. At
 //! the end of the budget the file is removed; it is `target/long_run.checkpoint`
-//! unless said otherwise.
+//! unless said otherwise. Each pass is a line of the log, here on the screen, above
+//! the bar.
 
-use std::path::PathBuf;
+#[path = "support/saved.rs"]
+mod saved;
+#[path = "support/switch.rs"]
+mod switch;
+
 use std::time::Duration;
 
 use estimand::prelude::*;
 use estimand::run::{Checkpoint, resume};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
+use log::{LevelFilter, Log, Metadata, Record};
+
+/// Prints above a bar. Any other logger would do.
+struct Above(ProgressBar);
+
+impl Log for Above {
+    fn enabled(&self, _: &Metadata<'_>) -> bool {
+        true
+    }
+
+    fn log(&self, record: &Record<'_>) {
+        self.0.suspend(|| eprintln!("{}", record.args()));
+    }
+
+    fn flush(&self) {}
+}
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -29,21 +50,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let exact = 2.0 * (core::f64::consts::PI / 80.0).powi(3);
     let mut vegas = Vegas::new(Importance::new(f, UnitCube::<6>), 6, 7)?;
 
-    let cancel = Cancel::new();
-    let switch = cancel.clone();
-    ctrlc::set_handler(move || switch.cancel())?;
     let stop = Stop {
-        cancel: Some(cancel),
+        cancel: Some(switch::switch()?),
         ..Stop::samples(samples)
     };
-    let checkpoint = Checkpoint::new(&file).every(Duration::from_secs(60));
+    let checkpoint = Checkpoint::new(file).every(Duration::from_secs(60));
 
-    let bar = ProgressBar::new(samples).with_style(ProgressStyle::with_template(
-        "{wide_bar} {percent} % {msg}",
-    )?);
+    let bar = saved::bar(samples)?;
+    log::set_boxed_logger(Box::new(Above(bar.clone())))?;
+    log::set_max_level(LevelFilter::Info);
     let finished = resume(&mut vegas, &Threads, &stop, &checkpoint, |progress| {
         bar.set_position(progress.integrator.spent());
-        bar.set_message(progress.to_string());
+        progress.log();
     })?;
     bar.finish_and_clear();
 
@@ -51,19 +69,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{e}, exactly {exact:.6e}, after {} samples", vegas.spent());
     // Only 10⁻⁹ of all intervals are so far off.
     assert!((e.mean - exact).abs() < 6.2 * e.standard_error);
-    match checkpoint.last_save() {
-        Some(Err(error)) => println!("not saved: {error}"),
-        _ if finished.reason == Reason::Cancelled => {
-            println!("stopped; the same command goes on from {file}");
-        }
-        _ => remove(&[file.clone(), format!("{file}.previous")].map(PathBuf::from)),
-    }
+    saved::keep_or_remove(&checkpoint, finished.reason);
     Ok(())
-}
-
-/// What is not there need not be removed.
-fn remove(files: &[PathBuf]) {
-    for file in files {
-        let _ = std::fs::remove_file(file);
-    }
 }

@@ -11,6 +11,11 @@
 //! everywhere. One picture, side by side, in FOLDER, `target` unless said
 //! otherwise; the table has the error over the whole picture and on two spots.
 
+#[path = "support/picture.rs"]
+mod picture;
+
+use std::fs::File;
+use std::io::BufWriter;
 use std::path::PathBuf;
 
 use estimand::prelude::*;
@@ -18,7 +23,7 @@ use estimand::render::{
     Choice, Direct, Film, Heuristic, Image, LightPoints, Lights, Pixel, Radiance, Technique, scenes,
 };
 use glam::DVec3;
-use image::ExtendedColorType;
+use png::ColorType;
 
 const SIZE: [u32; 2] = [240, 160];
 const SAMPLES: u64 = 64;
@@ -71,13 +76,8 @@ fn main() -> Result<(), Error> {
 
     let sheet = beside(&images);
     let path = folder.join("veach.png");
-    image::save_buffer(
-        &path,
-        &sheet.srgb(),
-        sheet.width,
-        sheet.height,
-        ExtendedColorType::Rgb8,
-    )?;
+    let file = BufWriter::new(File::create(&path)?);
+    picture::write_png(file, &sheet, &sheet.srgb(), ColorType::Rgb)?;
     println!(
         "written     {}: lights, surfaces; balance, power",
         path.display()

@@ -13,15 +13,21 @@
 use std::error::Error;
 use std::path::PathBuf;
 
-use estimand::chart::{Cost, Diagram, Found, Page, Record, Slope, Study, markdown};
+use estimand::chart::{Cost, Diagram, Page, Record, Slope, Study, markdown};
 use estimand::prelude::*;
 use estimand::sampler::Owen;
 
 #[path = "../tests/support/integrals.rs"]
 #[allow(dead_code, reason = "the tests use all of it")]
 mod integrals;
+#[path = "support/on_cube.rs"]
+mod on_cube;
+#[path = "support/spend.rs"]
+mod spend;
 
 use integrals::{Integral, integrals};
+use on_cube::OnCube;
+use spend::spend;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
@@ -47,19 +53,13 @@ fn main() -> Outcome<()> {
 
     let all = integrals();
     let named = |name: String| all.iter().find(|i| i.name == name).ok_or(name);
-    let line = compare::<1>(named("linear_1".into())?, LINE, &effort)?;
+    let line = compare(named("linear_1".into())?, LINE, &effort)?;
     let mut studies = Vec::new();
     for (family, title) in FAMILIES {
-        let [two, five, eight] = [2, 5, 8].map(|d| {
-            let integral = named(format!("{family}_{d}"))?;
+        for d in [2, 5, 8] {
             let title = format!("{title}, d = {d}");
-            match d {
-                2 => compare::<2>(integral, &title, &effort),
-                5 => compare::<5>(integral, &title, &effort),
-                _ => compare::<8>(integral, &title, &effort),
-            }
-        });
-        studies.extend([two?, five?, eight?]);
+            studies.push(compare(named(format!("{family}_{d}"))?, &title, &effort)?);
+        }
     }
 
     draw(&line, &studies)?;
@@ -81,45 +81,38 @@ const FAMILIES: [(&str, &str); 6] = [
 ];
 
 /// The methods. Another one is another call of `measure`.
-fn compare<const D: usize>(integral: &Integral, title: &str, effort: &Effort) -> Outcome<Study> {
-    let f = Importance::new(|x: [f64; D]| integral.at(x), UnitCube::<D>);
+fn compare(integral: &Integral, title: &str, effort: &Effort) -> Outcome<Study> {
+    let (f, d) = (OnCube(integral), integral.dimension);
     let mut study = Study::new(title, integral.exact, &effort.budgets, effort.runs)?;
     study.measure("Monte Carlo", |n, seed| {
         spend(n, MonteCarlo::new(f, Independent::new(seed)))
     })?;
     study.measure("Halton", |n, seed| {
-        spend(n, RandomizedQmc::new(f, Halton::new(D, seed)?, REPLICATES)?)
+        spend(n, RandomizedQmc::new(f, Halton::new(d, seed)?, REPLICATES)?)
     })?;
     study.measure("Sobol, Owen", |n, seed| {
-        let net = Sobol::new(D)?.scrambled(Owen, seed);
+        let net = Sobol::new(d)?.scrambled(Owen, seed);
         spend(n, RandomizedQmc::new(f, net, REPLICATES)?)
     })?;
     study.measure("lattice, folded", |n, seed| {
-        let lattice = Lattice::new(D, seed)?.baker();
+        let lattice = Lattice::new(d, seed)?.baker();
         spend(n, RandomizedQmc::new(f, lattice, REPLICATES)?)
     })?;
     // 256 strata of 8 dimensions are 2 an axis.
-    if D <= 2 {
-        study.measure("stratified", |n, seed| {
-            let grid = Stratified::<D>::filling(n, 2, seed)?;
-            spend(n, StratifiedMonteCarlo::new(f, grid))
+    if d <= 2 {
+        study.measure("stratified", |n, seed| match d {
+            1 => spend(
+                n,
+                StratifiedMonteCarlo::new(f, Stratified::<1>::filling(n, 2, seed)?),
+            ),
+            _ => spend(
+                n,
+                StratifiedMonteCarlo::new(f, Stratified::<2>::filling(n, 2, seed)?),
+            ),
         })?;
     }
-    study.measure("VEGAS+", |n, seed| spend(n, Vegas::new(f, D, seed)?))?;
+    study.measure("VEGAS+", |n, seed| spend(n, Vegas::new(f, d, seed)?))?;
     Ok(study)
-}
-
-/// What an integrator makes of a budget; what it learns from counts as well.
-fn spend<I>(budget: u64, mut integrator: I) -> Outcome<Found>
-where
-    I: Integrator<Answer = Estimate<f64>>,
-    RunError<I::Answer, I::Error>: Error + 'static,
-{
-    let answer = run(&mut integrator, &Serial, &Stop::samples(budget))?.answer;
-    Ok(Found {
-        evaluations: integrator.spent(),
-        ..answer.into()
-    })
 }
 
 fn draw(line: &Study, studies: &[Study]) -> Outcome<()> {

@@ -249,6 +249,32 @@ fn threads_resume_what_threads_have_saved() {
     assert_eq!(on(3, Fuse::none()).answer, whole.answer);
 }
 
+/// What was computed before a crash, of the pass at hand too, was not paid for by the
+/// time of this run.
+#[test]
+fn the_rate_of_a_resumed_run_counts_its_own_samples() {
+    let folder = Folder::new("rate");
+    let checkpoint = Checkpoint::new(folder.file());
+    let mut own = 0;
+    for evaluations in [700_000, u64::MAX] {
+        let fuse = Fuse::of(evaluations);
+        let stop = Stop {
+            cancel: Some(fuse.cancel.clone()),
+            ..Stop::samples(1_000_000)
+        };
+        let estimator = Importance::new(f(&fuse), UnitCube);
+        let mut plain = MonteCarlo::new(estimator, Independent::new(7));
+        let finished = resume(&mut plain, &Serial, &stop, &checkpoint, |progress| {
+            own = (progress.rate() * progress.elapsed.as_secs_f64()).round() as u64;
+        })
+        .unwrap();
+        let taken = evaluations - fuse.left.load(Ordering::Relaxed);
+        assert!(own.abs_diff(taken) < taken / 1_000, "{own} of {taken}");
+        let cancelled = finished.reason == Reason::Cancelled;
+        assert_eq!(cancelled, evaluations == 700_000);
+    }
+}
+
 /// The control of the tests above: another budget, and so other passes, has other
 /// bits; and it goes on all the same.
 #[test]

@@ -15,6 +15,8 @@
 //! lets that rank fail on its way.
 
 mod options;
+#[path = "../support/switch.rs"]
+mod switch;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -133,11 +135,8 @@ where
     I::Answer: std::fmt::Debug + 'static,
     I::Error: std::error::Error + 'static,
 {
-    let cancel = Cancel::new();
-    let switch = cancel.clone();
-    ctrlc::set_handler(move || switch.cancel())?;
     let stop = Stop {
-        cancel: Some(cancel),
+        cancel: Some(switch::switch()?),
         ..Stop::samples(options.samples)
     };
     let Some(path) = &options.checkpoint else {

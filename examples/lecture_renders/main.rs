@@ -19,6 +19,8 @@
 //! the folder for temporary files.
 
 mod chart;
+#[path = "../support/picture.rs"]
+mod picture;
 mod presets;
 #[path = "../../tests/support/reference.rs"]
 mod reference;

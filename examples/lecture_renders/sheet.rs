@@ -6,10 +6,10 @@ use std::path::Path;
 
 use estimand::render::{Image, Pixel};
 use glam::DVec3;
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
+use png::ColorType;
 
 use crate::Outcome;
+use crate::picture::write_png;
 use crate::presets::Preset;
 use crate::view::Run;
 
@@ -48,7 +48,7 @@ pub fn draw(
             samples(&run.samples()) + biased,
             format!("RMSE {}, away from the light {}", errors[0], errors[1]),
         ];
-        cells.push((png(&run.image, shown)?, lines));
+        cells.push((picture(&run.image, shown)?, lines));
     }
     if let Some(run) = runs.last().and_then(|runs| runs.last()) {
         let bar = |image: &Image, p: usize| TIMES * image.pixels[p].standard_error;
@@ -58,7 +58,7 @@ pub fn draw(
             "known from the samples alone".into(),
             String::new(),
         ];
-        cells.push((png(&run.image, bar)?, lines));
+        cells.push((picture(&run.image, bar)?, lines));
     }
     let lines = [
         "The reference".into(),
@@ -66,7 +66,7 @@ pub fn draw(
         samples(&"131,072"),
         String::new(),
     ];
-    cells.push((png(reference, shown)?, lines));
+    cells.push((picture(reference, shown)?, lines));
 
     let rows = cells.len().div_ceil(COLUMNS);
     let [width, height] = [EDGE[0] + COLUMNS * CELL[0], EDGE[1] + rows * CELL[1]];
@@ -119,7 +119,7 @@ fn percent(error: f64) -> String {
 }
 
 /// An sRGB picture, each pixel a square of its own so that nothing smooths it.
-fn png(image: &Image, colour: impl Fn(&Image, usize) -> DVec3) -> Outcome<Vec<u8>> {
+fn picture(image: &Image, colour: impl Fn(&Image, usize) -> DVec3) -> Outcome<Vec<u8>> {
     let side = PIXEL as u32;
     let (width, height) = (image.width * side, image.height * side);
     let pixels = (0..height)
@@ -135,12 +135,7 @@ fn png(image: &Image, colour: impl Fn(&Image, usize) -> DVec3) -> Outcome<Vec<u8
         pixels: pixels.collect(),
     };
     let mut file = Vec::new();
-    PngEncoder::new(&mut file).write_image(
-        &large.srgb(),
-        width,
-        height,
-        ExtendedColorType::Rgb8,
-    )?;
+    write_png(&mut file, &large, &large.srgb(), ColorType::Rgb)?;
     Ok(file)
 }
 

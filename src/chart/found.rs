@@ -30,6 +30,9 @@ pub struct Found {
     pub reported: Option<Reported>,
     /// How many times the integrand was evaluated.
     pub evaluations: u64,
+    /// Processor time, in seconds, of a run elsewhere, say in another program; `None`
+    /// where the study's own clock tells.
+    pub seconds: Option<f64>,
 }
 
 /// What a method says of its own error.
@@ -58,6 +61,7 @@ impl Found {
             value,
             reported,
             evaluations,
+            seconds: None,
         }
     }
 
@@ -68,6 +72,7 @@ impl Found {
             value,
             reported: None,
             evaluations,
+            seconds: None,
         }
     }
 
@@ -75,6 +80,9 @@ impl Found {
     pub(super) fn nonsense(&self) -> Option<String> {
         if !self.value.is_finite() {
             return Some(format!("the value is {}", self.value));
+        }
+        if let Some(seconds) = self.seconds.filter(|s| !(*s >= 0.0 && s.is_finite())) {
+            return Some(format!("the time is {seconds} s"));
         }
         let error = self.reported?.standard_error;
         // An infinite error is an answer: "I cannot tell".
@@ -96,6 +104,7 @@ impl From<Estimate<f64>> for Found {
                 high: range.high,
             }),
             evaluations: estimate.samples() + estimate.moments.non_finite(),
+            seconds: None,
         }
     }
 }

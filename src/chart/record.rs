@@ -86,7 +86,8 @@ impl Record {
         limits(self.runs).map(|factor| self.rmse * factor)
     }
 
-    /// Of the runs of one method with one budget; at least one.
+    /// Of the runs of one method with one budget; at least one. They took `seconds`
+    /// together, unless all say otherwise.
     pub(super) fn of(
         [study, method]: [&str; 2],
         budget: u64,
@@ -97,13 +98,14 @@ impl Record {
         let runs = found.len() as f64;
         let errors: Vec<f64> = found.iter().map(|f| f.value - reference).collect();
         let reported: Option<Vec<_>> = found.iter().map(|f| f.reported).collect();
+        let elsewhere: Option<f64> = found.iter().map(|f| f.seconds).sum();
         Self {
             study: study.into(),
             method: method.into(),
             budget,
             runs: found.len() as u32,
             evaluations: found.iter().map(|f| f.evaluations as f64).sum::<f64>() / runs,
-            seconds: seconds / runs,
+            seconds: elsewhere.unwrap_or(seconds) / runs,
             rmse: root_mean_square(&errors),
             reported: reported.as_ref().map(|all| {
                 let errors: Vec<f64> = all.iter().map(|r| r.standard_error).collect();
@@ -149,6 +151,20 @@ mod tests {
         );
         assert_eq!(root_mean_square(&[1e-300, 1e-300]), 1e-300);
         assert_eq!(root_mean_square(&[0.0, 0.0]), 0.0);
+    }
+
+    #[test]
+    fn time_elsewhere_counts_if_all_runs_tell_it() {
+        let found = |seconds| Found {
+            seconds,
+            ..Found::bare(1.0, 1)
+        };
+        let seconds = |all: &[Found]| Record::of(["", ""], 1, 0.0, all, 6.0).seconds;
+        assert_eq!(seconds(&[found(Some(1.0)), found(Some(0.5))]), 0.75);
+        assert_eq!(seconds(&[found(Some(1.0)), found(None)]), 3.0);
+        for nonsense in [-1.0, f64::NAN, f64::INFINITY] {
+            assert!(found(Some(nonsense)).nonsense().is_some());
+        }
     }
 
     /// χ² of one degree of freedom is a normal variable squared; of two, it is

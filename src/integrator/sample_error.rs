@@ -75,45 +75,67 @@ pub struct Failure<V, E> {
 
 impl<V, E> Failure<V, E> {
     /// Replays the block up to the sample that failed.
+    #[cold]
     pub(crate) fn explain<S, T>(self, sampler: &S, estimator: &T) -> SampleError<V, E>
     where
         S: Sampler,
         T: TryEstimator<Value = V, Error = E>,
     {
-        let replayed = || {
-            let mut points = Recorder {
-                points: sampler.stream(self.block),
-                read: Vec::new(),
-            };
-            for _ in 0..self.offset {
-                points.next_point();
-                estimator.locate(&mut points);
-            }
-            points.next_point();
-            points
-        };
-        let mut points = replayed();
+        let mut streams = [sampler.stream(self.block), sampler.stream(self.block)];
+        self.replayed(
+            streams.each_mut().map(|s| s as &mut dyn Coordinates),
+            estimator,
+        )
+    }
+
+    /// From its points, there twice. Compiled once for an estimator, whatever points it
+    /// is given.
+    fn replayed<T>(self, streams: [&mut dyn Coordinates; 2], estimator: &T) -> SampleError<V, E>
+    where
+        T: TryEstimator<Value = V, Error = E>,
+    {
+        let [points, again] = streams;
+        let mut points = replay(points, self.offset, estimator);
         let location = estimator.locate(&mut points);
-        let again = || match estimator.try_estimate(&mut replayed()) {
+        let unit = points.read;
+        let find = || match estimator.try_estimate(&mut replay(again, self.offset, estimator)) {
             Ok(value) => Cause::NonFinite(value),
             Err(error) => Cause::Integrand(error),
         };
         SampleError {
-            cause: self.cause.unwrap_or_else(again),
+            cause: self.cause.unwrap_or_else(find),
             sample: self.block.start + self.offset,
-            unit: points.read,
+            unit,
             location,
         }
     }
 }
 
+/// At the sample after `offset` others.
+fn replay<'a, T: TryEstimator>(
+    points: &'a mut dyn Coordinates,
+    offset: u64,
+    estimator: &T,
+) -> Recorder<'a> {
+    let mut points = Recorder {
+        points,
+        read: Vec::new(),
+    };
+    for _ in 0..offset {
+        points.next_point();
+        estimator.locate(&mut points);
+    }
+    points.next_point();
+    points
+}
+
 /// Keeps the coordinates that are read of the current point.
-struct Recorder<C> {
-    points: C,
+struct Recorder<'a> {
+    points: &'a mut dyn Coordinates,
     read: Vec<f64>,
 }
 
-impl<C: Coordinates> Coordinates for Recorder<C> {
+impl Coordinates for Recorder<'_> {
     fn next_point(&mut self) {
         self.read.clear();
         self.points.next_point();

@@ -1,10 +1,11 @@
 //! A picture with an error bar in every pixel.
 
+use core::fmt;
 use std::io::{self, Write};
 
 use glam::DVec3;
 
-use crate::estimate::Tolerance;
+use crate::estimate::{Tolerance, with_errors};
 
 /// The mean radiance of every pixel, with its standard error.
 ///
@@ -161,6 +162,26 @@ impl Image {
     }
 }
 
+impl fmt::Display for Image {
+    /// Its size, its [mean](Self::mean), the [error](Self::rms_error) of its pixels,
+    /// and how many samples were not finite, if any.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mean = self.mean();
+        write!(
+            f,
+            "{} × {} pixels of mean {}, each with an error of {:.1e} (root mean square)",
+            self.width,
+            self.height,
+            with_errors(&mean.mean.to_array(), &mean.standard_error.to_array()),
+            self.rms_error()
+        )?;
+        if mean.non_finite > 0 {
+            write!(f, ", {} samples not finite", mean.non_finite)?;
+        }
+        Ok(())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -208,6 +229,16 @@ mod tests {
             (errors.len(), &errors[errors.len() - 4..]),
             (file.len(), &0.125_f32.to_le_bytes()[..])
         );
+    }
+
+    #[test]
+    fn a_line_says_mean_and_errors() {
+        let text = "2 × 3 pixels of mean [2.50(15), 0.50(15), -2.50(15)], \
+                    each with an error of 3.8e-1 (root mean square)";
+        assert_eq!(image().to_string(), format!("{text}, 6 samples not finite"));
+        let mut finite = image();
+        finite.pixels.iter_mut().for_each(|p| p.non_finite = 0);
+        assert_eq!(finite.to_string(), text);
     }
 
     /// The fields are public: anyone may make what is no image.

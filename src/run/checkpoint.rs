@@ -168,7 +168,7 @@ pub fn resume<I>(
     executor: &impl Executor<I>,
     stop: &Stop,
     checkpoint: &Checkpoint,
-    progress: impl FnMut(Progress<'_, I>),
+    mut progress: impl FnMut(Progress<'_, I>),
 ) -> Resumed<I>
 where
     I: Resumable,
@@ -188,7 +188,7 @@ where
         last: Instant::now(),
         writing: None,
     };
-    drive(integrator, executor, stop, &mut saver, progress).map_err(ResumeError::Run)
+    drive(integrator, executor, stop, &mut saver, &mut progress).map_err(ResumeError::Run)
 }
 
 /// The file as the leading process finds it, in all.

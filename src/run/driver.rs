@@ -150,9 +150,9 @@ pub fn run_with<I: Integrator>(
     integrator: &mut I,
     executor: &impl Executor<I>,
     stop: &Stop,
-    progress: impl FnMut(Progress<'_, I>),
+    mut progress: impl FnMut(Progress<'_, I>),
 ) -> Outcome<I> {
-    drive(integrator, executor, stop, &mut Unsaved, progress)
+    drive(integrator, executor, stop, &mut Unsaved, &mut progress)
 }
 
 /// Who saves a run.
@@ -183,35 +183,54 @@ impl<I: Integrator> Saving<I> for Unsaved {
 }
 
 /// What ends a run from outside, as the leading process sees it.
-fn halted<I: Integrator>(
-    executor: &impl Executor<I>,
-    cancelled: bool,
-    late: bool,
-) -> Option<Reason> {
-    match executor.agree(vec![u8::from(cancelled), u8::from(late)])[..] {
+fn halted<I: Integrator>(executor: &dyn Executor<I>, clock: &Clock<'_>) -> Option<Reason> {
+    let said = [clock.cancelled(), clock.late()].map(u8::from);
+    match executor.agree(said.to_vec())[..] {
         [1, _] => Some(Reason::Cancelled),
         [_, 1] => Some(Reason::Time),
         _ => None,
     }
 }
 
-/// The loop.
+/// What ends a run from outside.
+struct Clock<'a> {
+    stop: &'a Stop,
+    start: Instant,
+}
+
+impl Clock<'_> {
+    fn cancelled(&self) -> bool {
+        self.stop.cancel.as_ref().is_some_and(|c| c.is_cancelled())
+    }
+
+    fn late(&self) -> bool {
+        let limit = self.stop.time;
+        limit.is_some_and(|limit| self.start.elapsed() >= limit)
+    }
+}
+
+fn past(due: Option<Instant>) -> bool {
+    due.is_some_and(|due| Instant::now() >= due)
+}
+
+/// The loop. Compiled once for an integrator, whoever computes its blocks, saves it or
+/// watches it: they are asked between blocks, not between samples.
 pub(super) fn drive<I: Integrator>(
     integrator: &mut I,
-    executor: &impl Executor<I>,
+    executor: &dyn Executor<I>,
     stop: &Stop,
-    saving: &mut impl Saving<I>,
-    mut progress: impl FnMut(Progress<'_, I>),
+    saving: &mut dyn Saving<I>,
+    progress: &mut dyn FnMut(Progress<'_, I>),
 ) -> Outcome<I> {
     stop.check(integrator.components())
         .map_err(RunError::Stop)?;
     let start = Instant::now();
-    let before = integrator.spent();
-    let cancelled = || stop.cancel.as_ref().is_some_and(|c| c.is_cancelled());
-    let late = || stop.time.is_some_and(|limit| start.elapsed() >= limit);
-    let past = |due: Option<Instant>| due.is_some_and(|due| Instant::now() >= due);
+    let clock = Clock { stop, start };
+    let mut before = integrator.spent();
     let mut open = saving.open();
+    let mut resumed = open.as_ref().map_or(0, |(pass, _)| pass.next());
     let mut saved = false;
+    let mut passes = 0;
     let reason = loop {
         let (mut pass, blocks) = match open.take() {
             Some(open) => open,
@@ -219,7 +238,7 @@ pub(super) fn drive<I: Integrator>(
                 if stop.tolerance.is_some_and(|t| integrator.meets(&t)) {
                     break Reason::Tolerance;
                 }
-                if let Some(reason) = halted(executor, cancelled(), late()) {
+                if let Some(reason) = halted(executor, &clock) {
                     break reason;
                 }
                 if past(saving.due(integrator, false)) {
@@ -251,12 +270,12 @@ pub(super) fn drive<I: Integrator>(
             let due = saving.due(integrator, true);
             let begun = AtomicBool::new(false);
             let save = || due.is_some() && begun.swap(true, Ordering::Relaxed) && past(due);
-            let go_on = || !cancelled() && !late() && !save();
+            let go_on = || !clock.cancelled() && !clock.late() && !save();
             executor.pass(integrator, &mut pass, blocks, &go_on);
             if pass.has_ended() || pass.next() >= blocks {
                 break false;
             }
-            let halted = halted(executor, cancelled(), late()).is_some();
+            let halted = halted(executor, &clock).is_some();
             saving.save(integrator, Some((&pass, blocks)));
             if halted {
                 break true;
@@ -270,7 +289,22 @@ pub(super) fn drive<I: Integrator>(
                     error: Box::new(error),
                     partial: integrator.answer().map(Box::new),
                 })?;
-            progress(Progress::new(integrator, stop, before, start.elapsed()));
+            passes += 1;
+            if resumed > 0 {
+                // Its blocks are of about the same length.
+                let share = resumed as f64 / blocks as f64;
+                before += (share * (integrator.spent() - before) as f64) as u64;
+                resumed = 0;
+            }
+            progress(Progress {
+                integrator,
+                elapsed: start.elapsed(),
+                pass: passes,
+                stop,
+                before,
+                #[cfg(feature = "log")]
+                leads: executor.leads(),
+            });
         }
     };
     if !saved {

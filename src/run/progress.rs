@@ -9,12 +9,9 @@ use crate::integrator::Integrator;
 /// A run as seen after one of its passes: how far it is, how fast, and how long it
 /// will take.
 ///
-/// Prints as a line for a log; for integrators whose answer can be printed, with
-/// the answer so far.
+/// Prints as a line for a log, with the answer so far.
 ///
 /// # Example
-///
-/// A line a pass, by the crate `log`; any logger will do, or none:
 ///
 /// ```
 /// use estimand::prelude::*;
@@ -26,8 +23,8 @@ use crate::integrator::Integrator;
 ///     ..Stop::samples(10_000_000)
 /// };
 /// run_with(&mut integrator, &Serial, &stop, |progress| {
-///     // 1024 samples, 3.1e7/s: 1.7183(154), 0.01 s left
-///     log::info!("{progress}");
+///     // pass 1: 1024 samples, 3.1e7/s, 1.7183(154), 0.01 s left
+///     println!("{progress}");
 /// })?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -37,26 +34,17 @@ pub struct Progress<'a, I> {
     pub integrator: &'a I,
     /// How long this run has taken.
     pub elapsed: Duration,
-    stop: &'a Stop,
+    /// Which pass of this run it was, from 1.
+    pub pass: u64,
+    pub(super) stop: &'a Stop,
     /// Samples that were there when this run began.
-    before: u64,
+    pub(super) before: u64,
+    /// Whether this process is the one that speaks for all.
+    #[cfg(feature = "log")]
+    pub(super) leads: bool,
 }
 
-impl<'a, I: Integrator> Progress<'a, I> {
-    pub(super) const fn new(
-        integrator: &'a I,
-        stop: &'a Stop,
-        before: u64,
-        elapsed: Duration,
-    ) -> Self {
-        Self {
-            integrator,
-            elapsed,
-            stop,
-            before,
-        }
-    }
-
+impl<I: Integrator> Progress<'_, I> {
     /// Samples a second, over this run.
     #[must_use]
     pub fn rate(&self) -> f64 {
@@ -115,12 +103,37 @@ impl<'a, I: Integrator> Progress<'a, I> {
     }
 }
 
+#[cfg(feature = "log")]
+impl<I: Integrator<Answer: fmt::Display>> Progress<'_, I> {
+    /// Logs the line: target `estimand`, level [`Info`](log::Level::Info). Of the
+    /// processes of a run on several, one does.
+    ///
+    /// # Example
+    ///
+    /// A line a pass, to whatever logger the program has:
+    ///
+    /// ```
+    /// use estimand::prelude::*;
+    ///
+    /// let estimator = Importance::new(|x: f64| x.exp(), Interval::unit());
+    /// let mut integrator = MonteCarlo::new(estimator, Independent::new(7));
+    /// let stop = Stop::samples(100_000);
+    /// run_with(&mut integrator, &Serial, &stop, |progress| progress.log())?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn log(&self) {
+        if self.leads {
+            log::info!(target: "estimand", "{self}");
+        }
+    }
+}
+
 impl<I: Integrator<Answer: fmt::Display>> fmt::Display for Progress<'_, I> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let samples = self.integrator.spent();
-        write!(f, "{samples} samples, {:.1e}/s", self.rate())?;
+        let (pass, samples) = (self.pass, self.integrator.spent());
+        write!(f, "pass {pass}: {samples} samples, {:.1e}/s", self.rate())?;
         if let Some(answer) = self.integrator.answer() {
-            write!(f, ": {answer}")?;
+            write!(f, ", {answer}")?;
         }
         if let Some(left) = self.remaining() {
             write!(f, ", {:.1} s left", left.as_secs_f64())?;
@@ -173,7 +186,15 @@ mod tests {
         run(&mut integrator, &Serial, &Stop::samples(1_000)).unwrap();
         let of = |stop: &Stop, before, seconds| {
             let elapsed = Duration::from_secs(seconds);
-            let progress = Progress::new(&integrator, stop, before, elapsed);
+            let progress = Progress {
+                integrator: &integrator,
+                elapsed,
+                pass: 1,
+                stop,
+                before,
+                #[cfg(feature = "log")]
+                leads: true,
+            };
             (progress.rate(), progress.remaining())
         };
         let budget = Stop::samples(2_000);
@@ -200,7 +221,86 @@ mod tests {
         run(&mut integrator, &Serial, &Stop::samples(1_000)).unwrap();
         let answer = integrator.answer().unwrap();
         let stop = Stop::samples(4_000);
-        let line = Progress::new(&integrator, &stop, 0, Duration::from_secs(2)).to_string();
-        assert_eq!(line, format!("1000 samples, 5.0e2/s: {answer}, 6.0 s left"));
+        let progress = Progress {
+            integrator: &integrator,
+            elapsed: Duration::from_secs(2),
+            pass: 3,
+            stop: &stop,
+            before: 0,
+            #[cfg(feature = "log")]
+            leads: true,
+        };
+        let line = format!("pass 3: 1000 samples, 5.0e2/s, {answer}, 6.0 s left");
+        assert_eq!(progress.to_string(), line);
+    }
+
+    #[cfg(feature = "log")]
+    mod log {
+        use std::sync::Mutex;
+
+        use ::log::{Level, LevelFilter, Log, Metadata, Record};
+
+        use crate::integrator::Integrator;
+        use crate::run::{Executor, Pass, Serial, Stop, run_with};
+
+        static LOGGED: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
+        struct Lines;
+
+        impl Log for Lines {
+            fn enabled(&self, metadata: &Metadata<'_>) -> bool {
+                (metadata.target(), metadata.level()) == ("estimand", Level::Info)
+            }
+
+            fn log(&self, record: &Record<'_>) {
+                assert!(self.enabled(record.metadata()));
+                LOGGED.lock().unwrap().push(record.args().to_string());
+            }
+
+            fn flush(&self) {}
+        }
+
+        /// [`Serial`], as one process of several.
+        struct OneOf {
+            leads: bool,
+        }
+
+        impl<I: Integrator> Executor<I> for OneOf {
+            fn pass(
+                &self,
+                integrator: &I,
+                pass: &mut Pass<I::Partial>,
+                blocks: u64,
+                go_on: &(dyn Fn() -> bool + Sync),
+            ) {
+                assert!(blocks > 1 || integrator.spent() < 10_000);
+                Serial.pass(integrator, pass, blocks, go_on);
+            }
+
+            fn leads(&self) -> bool {
+                self.leads
+            }
+        }
+
+        #[test]
+        fn a_pass_is_a_line_which_one_process_writes() {
+            ::log::set_logger(&Lines).unwrap();
+            ::log::set_max_level(LevelFilter::Trace);
+            for leads in [true, false] {
+                let mut expected = Vec::new();
+                let stop = Stop::samples(300_000);
+                run_with(&mut super::line(), &OneOf { leads }, &stop, |progress| {
+                    progress.log();
+                    let (pass, spent) = (expected.len() + 1, progress.integrator.spent());
+                    expected.push(format!("pass {pass}: {spent} samples"));
+                })
+                .unwrap();
+                let logged = std::mem::take(&mut *LOGGED.lock().unwrap());
+                let begin = |line: &String| line.split(',').next().map(String::from);
+                let begins: Vec<_> = logged.iter().filter_map(begin).collect();
+                assert!(expected.len() > 3);
+                assert_eq!(begins, if leads { expected } else { Vec::new() });
+            }
+        }
     }
 }

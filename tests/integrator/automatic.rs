@@ -1,6 +1,7 @@
 //! The integrator that finds the method: what it chooses, and that it is right.
 
 use core::cell::Cell;
+use core::sync::atomic::{AtomicU64, Ordering};
 
 use crate::support::significance::{assert_plausible, assert_rejected};
 use estimand::estimate::ErrorSource;
@@ -8,13 +9,15 @@ use estimand::integrator::{AutomaticError, AutomaticEstimate, Method, Why};
 use estimand::prelude::*;
 use estimand::verify::coverage;
 
+/// One type for all integrands: what takes time to compile is the integrator.
+type Any<'a, const D: usize> = &'a (dyn Fn([f64; D]) -> f64 + Sync);
+
 fn of<const D: usize>(
     f: impl Fn([f64; D]) -> f64 + Sync,
     seed: u64,
     budget: u64,
 ) -> AutomaticEstimate<f64> {
-    // One type for all: what is compiled is the integrator.
-    let f: &(dyn Fn([f64; D]) -> f64 + Sync) = &f;
+    let f: Any<'_, D> = &f;
     let estimator = Importance::new(f, UnitCube::<D>);
     let mut automatic = Automatic::new(&estimator, D, seed).unwrap();
     let answer = run(&mut automatic, &Serial, &Stop::samples(budget))
@@ -116,8 +119,7 @@ fn peaks_are_found_in_eight_dimensions() {
 #[test]
 fn the_bits_are_the_same_on_any_number_of_threads() {
     fn serial_and_threads<const D: usize>(f: impl Fn([f64; D]) -> f64 + Sync) {
-        // One type for all: what is compiled is the integrator.
-        let f: &(dyn Fn([f64; D]) -> f64 + Sync) = &f;
+        let f: Any<'_, D> = &f;
         let estimator = Importance::new(f, UnitCube::<D>);
         let stop = Stop::samples(60_000);
         let mut first = Automatic::new(&estimator, D, 3).unwrap();
@@ -147,9 +149,8 @@ fn rayon_pool(threads: usize) -> rayon::ThreadPool {
 
 #[test]
 fn goes_on_with_what_it_has_chosen() {
-    fn continued<const D: usize>(f: impl Fn([f64; D]) -> f64) {
-        // One type for all: what is compiled is the integrator.
-        let f: &dyn Fn([f64; D]) -> f64 = &f;
+    fn continued<const D: usize>(f: impl Fn([f64; D]) -> f64 + Sync) {
+        let f: Any<'_, D> = &f;
         let estimator = Importance::new(f, UnitCube::<D>);
         let mut automatic = Automatic::new(&estimator, D, 5).unwrap();
         let few = run(&mut automatic, &Serial, &Stop::samples(100_000))
@@ -174,7 +175,8 @@ fn goes_on_with_what_it_has_chosen() {
 
 #[test]
 fn a_tolerance_ends_it() {
-    let estimator = Importance::new(kinks, UnitCube::<7>);
+    let f: Any<'_, 7> = &kinks;
+    let estimator = Importance::new(f, UnitCube::<7>);
     let mut automatic = Automatic::new(&estimator, 7, 5).unwrap();
     let tolerance = Tolerance::relative(1e-3).unwrap();
     let stop = Stop {
@@ -211,33 +213,31 @@ fn zero_everywhere_is_in_doubt_and_not_nan() {
     );
     assert!(choice.to_string().contains("every value of the pilot is 0"));
     // Nothing in the first passes, something later.
-    let seen = Cell::new(0);
-    let estimator = Importance::new(
-        |[x]: [f64; 1]| {
-            seen.set(seen.get() + 1);
-            if seen.get() > 50_000 { x } else { 0.0 }
-        },
-        UnitCube::<1>,
-    );
-    let mut automatic = Automatic::new(&estimator, 1, 1).unwrap();
-    let e = run(&mut automatic, &Serial, &Stop::samples(100_000))
-        .unwrap()
-        .answer;
+    let seen = AtomicU64::new(0);
+    let late = |[x, ..]: [f64; 3]| {
+        if seen.fetch_add(1, Ordering::Relaxed) < 50_000 {
+            0.0
+        } else {
+            x
+        }
+    };
+    let e = of(late, 1, 100_000);
     assert!(e.mean.is_finite() && e.standard_error > 0.0);
 }
 
 #[test]
 fn refuses_what_is_not_a_dimension() {
     let estimator = Importance::new(|[]: [f64; 0]| 1.0, UnitCube::<0>);
+    let sum: &(dyn Fn(&[f64]) -> f64 + Sync) = &|x| x.iter().sum();
     for dimension in [0, 1001] {
         let refused = Automatic::new(&estimator, dimension, 1).err();
         assert_eq!(refused, Some(AutomaticError::Dimension(dimension)));
         let ranges = vec![Interval::unit(); dimension];
-        let refused = integrate_dyn(|_| 1.0, &ranges, &Stop::samples(1_000));
+        let refused = integrate_dyn(sum, &ranges, &Stop::samples(1_000));
         assert!(matches!(refused, Err(RunError::Dimension(d)) if d == dimension));
     }
     let most = vec![Interval::unit(); 1000];
-    let sum = integrate_dyn(|x| x.iter().sum::<f64>(), &most, &Stop::samples(20_000));
+    let sum = integrate_dyn(sum, &most, &Stop::samples(20_000));
     assert!((sum.unwrap().answer.mean - 500.0).abs() < 1.0);
 }
 
@@ -245,14 +245,14 @@ fn refuses_what_is_not_a_dimension() {
 fn what_is_not_finite_is_refused_with_its_place() {
     // Rare enough for the first samples to miss it, sure to be hit.
     for (threshold, budget) in [(0.5, 100_000), (0.999, 100_000), (0.9, 100)] {
-        let f = |[x, y]: [f64; 2]| if x > threshold { f64::NAN } else { y };
+        let f: Any<'_, 3> = &|[x, y, _]| if x > threshold { f64::NAN } else { y };
         let found = integrate(f, UnitCube, &Stop::samples(budget));
         let Err(RunError::Sample { error, .. }) = found else {
             panic!("{threshold}");
         };
         assert!(error.unit[0] > threshold, "{error}");
-        let estimator = Importance::new(f, UnitCube::<2>);
-        let aside = Automatic::new(&estimator, 2, 1).unwrap();
+        let estimator = Importance::new(f, UnitCube::<3>);
+        let aside = Automatic::new(&estimator, 3, 1).unwrap();
         let mut aside = aside.on_non_finite(NonFinite::SetAside);
         let e = run(&mut aside, &Serial, &Stop::samples(budget))
             .unwrap()
