@@ -91,4 +91,9 @@ pub trait Integrator {
 
     /// The answer so far; `None` before there is any.
     fn answer(&self) -> Option<Self::Answer>;
+
+    /// What sets its last pass apart, in a word. Provided: nothing.
+    fn last_pass(&self) -> Option<&'static str> {
+        None
+    }
 }

@@ -130,8 +130,12 @@ impl<I: Integrator<Answer: fmt::Display>> Progress<'_, I> {
 
 impl<I: Integrator<Answer: fmt::Display>> fmt::Display for Progress<'_, I> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (pass, samples) = (self.pass, self.integrator.spent());
-        write!(f, "pass {pass}: {samples} samples, {:.1e}/s", self.rate())?;
+        write!(f, "pass {}", self.pass)?;
+        if let Some(which) = self.integrator.last_pass() {
+            write!(f, " ({which})")?;
+        }
+        let samples = self.integrator.spent();
+        write!(f, ": {samples} samples, {:.1e}/s", self.rate())?;
         if let Some(answer) = self.integrator.answer() {
             write!(f, ", {answer}")?;
         }

@@ -12,6 +12,7 @@ use estimand::estimate::Tolerance;
 use estimand::integrator::{Learning, VegasError};
 use estimand::pdf::{AdaptiveGrid, AdaptiveGridError, Exponential, Through};
 use estimand::prelude::*;
+use estimand::run::Progress;
 use estimand::sampler::{AdaptiveStrata, Block};
 use estimand::verify::tail;
 
@@ -324,6 +325,21 @@ fn what_cannot_be_learned_from_is_said_or_survived() {
         let e = estimate(&mut vegas, 10_000);
         assert!((e.mean / size - 1.0).abs() < 0.05, "{size}: {e}");
     }
+    // Each pass says which it is: ten lessons, then four of the answer.
+    let mut lines = Vec::new();
+    let note = |progress: Progress<_>| lines.push(progress.to_string());
+    let mut vegas = of(|[x, y]| x * y);
+    assert!(run_with(&mut vegas, &Serial, &Stop::samples(10_000), note).is_ok());
+    let is = |line: &String, which| line.contains(which);
+    assert_eq!(lines.len(), 14);
+    assert!(
+        lines[..10].iter().all(|line| is(line, "(lesson): ")),
+        "{lines:?}"
+    );
+    assert!(
+        lines[10..].iter().all(|line| is(line, "(answer): ")),
+        "{lines:?}"
+    );
     // Budgets too small to learn, or for two strata.
     for budget in [2, 3, 10, 100] {
         let mut vegas = of(|[x, y]| x * y);

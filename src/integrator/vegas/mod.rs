@@ -459,6 +459,12 @@ impl<E: TryEstimator> Integrator for Vegas<E> {
             && pass::answer(&self.passes).is_some_and(|e| tolerance.is_met_by(&e))
     }
 
+    /// A lesson, or part of the answer.
+    fn last_pass(&self) -> Option<&'static str> {
+        let last = self.passes.last()?;
+        Some(if last.lesson { "lesson" } else { "answer" })
+    }
+
     fn answer(&self) -> Option<Self::Answer> {
         let answer = pass::answer(&self.passes)?;
         let mut evidence = Evidence::of(&self.tail, &answer.moments)
