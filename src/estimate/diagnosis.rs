@@ -92,9 +92,11 @@ pub enum Symptom {
         /// fitted to.
         share: f64,
     },
-    /// One sample, or two of one stratum, make up much of the error bar.
+    /// One sample makes up much of the error bar; from within strata, two of one
+    /// stratum, or a jump between neighbouring strata of which it may know nothing:
+    /// it varies within a stratum only where samples lie on both sides.
     Dominated {
-        /// Their part of Σ (f/p − ⟨I⟩)², or Σ (y − y′)².
+        /// Its part of Σ (f/p − ⟨I⟩)², or Σ (y − y′)².
         share: f64,
     },
     /// The error bar rests on few values, or few strata.

@@ -76,14 +76,20 @@ impl<V: Value> Evidence<V> {
         evidence
     }
 
-    /// What the largest differences say, of which the squares have this mean.
-    pub(crate) fn of_differences(tail: &Tail<V::Wide>, squares: &V::Components) -> Self {
+    /// What the largest differences within strata say, of which the squares have this
+    /// mean, and what the largest between neighbours is worth in their units.
+    pub(crate) fn of_differences(
+        tail: &Tail<V::Wide>,
+        squares: &V::Components,
+        steps: &V::Components,
+    ) -> Self {
         let mut evidence = Self::default();
         for (k, square) in squares.as_ref().iter().enumerate() {
             let sum = square * tail.seen() as f64;
             evidence.set_tail(k, tail, 0.0, sum);
             let largest = tail.largest(k);
-            evidence.largest_share.as_mut()[k] = share(largest.get(..1).unwrap_or(&[]), 0.0, sum);
+            let largest = largest.first().map_or(0.0, |d| d.max(steps.as_ref()[k]));
+            evidence.largest_share.as_mut()[k] = share(&[largest], 0.0, sum);
         }
         evidence
     }

@@ -174,6 +174,7 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
         }
         strata.moments = moments;
         strata.differences = pairs.tail;
+        strata.steps = pairs.steps;
         ControlFlow::Continue(StratifiedPartial {
             strata,
             taken,

@@ -60,6 +60,12 @@ fn deviates(g: impl Fn([f64; 2]) -> f64, per_stratum: u64, seed: u64, n: u64) ->
     on_grid(|[x, y, z]| 3.0 + x + g([y, z]), grid)
 }
 
+/// g(x), by strata in x.
+fn deviates_along(g: impl Fn(f64) -> f64, n: u64, seed: u64, samples: u64) -> Estimate<f64> {
+    let grid = Stratified::new([samples / n, 1, 1], n, seed).unwrap();
+    on_grid(|[x, _, _]| g(x), grid)
+}
+
 /// In how many of all seeds an answer is doubted.
 fn doubted(answer: impl Fn(u64) -> Estimate<f64>) -> u64 {
     (0..SEEDS)
@@ -96,6 +102,19 @@ fn what_is_easy_is_trusted() {
         ("bell, strata", Box::new(move |s| strata(bell, s, N))),
         ("wave, strata", Box::new(move |s| strata(wave, s, N))),
         ("grow, strata", Box::new(move |s| strata(grow, s, N))),
+        // The next sweep begins far from where the last one ended.
+        (
+            "sweeps",
+            Box::new(|s| {
+                let grid = Stratified::new([250, 1, 1], 2, s).unwrap();
+                let f: &dyn Fn([f64; 3]) -> f64 = &|[x, _, _]| 1.0 + x;
+                let estimator = Importance::new(f, UnitCube::<3>);
+                let mut integrator = StratifiedMonteCarlo::new(estimator, grid);
+                run(&mut integrator, &Serial, &Stop::samples(N))
+                    .unwrap()
+                    .answer
+            }),
+        ),
         // Few strata have all of the variance, and those are enough.
         (
             "peak, strata",
@@ -210,6 +229,15 @@ fn what_is_wrong_is_doubted() {
         (
             "ln x/√x, strata",
             Box::new(|s| strata(|[x]| (-x).ln_1p() / (1.0 - x).sqrt(), s, N)),
+        ),
+        // A jump inside of one stratum: in two runs of three no two samples differ.
+        (
+            "jump, strata",
+            Box::new(|s| strata(|[x]| x + f64::from(x > 0.512_345), s, N)),
+        ),
+        (
+            "jump, of 5",
+            Box::new(|s| deviates_along(|x| x + f64::from(x > 0.512_345), 5, s, N)),
         ),
         // In each stratum the same: k = 0.75.
         (
