@@ -1,5 +1,6 @@
 //! Maps, weights, coefficients and strata that follow the very samples they are used on.
 
+use std::cell::Cell;
 use std::f64::consts::PI;
 
 use estimand::estimator::{ControlVariates, Mapped};
@@ -164,12 +165,26 @@ fn two_peaks() -> Outcome<Entry> {
     const S: f64 = 0.03;
     let exact = 1.0;
     let f = |x: [f64; 6]| 0.5 * (bell(x, 0.25, S) + bell(x, 0.75, S));
+    let mut traces = Vec::new();
     let ours = Runs::of(exact, |seed| {
-        Ok(Shot::ours(
-            &vegas(Importance::new(f, UnitCube::<6>), 6, seed, N)?,
-            exact,
-        ))
+        // The largest value on either side of the middle, in lessons and after.
+        let largest = [Cell::new(0.0_f64), Cell::new(0.0)];
+        let watched = |x: [f64; 6]| {
+            let y = f(x);
+            let side = &largest[usize::from(x.iter().sum::<f64>() > 3.0)];
+            side.set(side.get().max(y));
+            y
+        };
+        let e = vegas(Importance::new(watched, UnitCube::<6>), 6, seed, N)?;
+        let [low, high] = largest.map(Cell::into_inner);
+        traces.push(low.min(high) / low.max(high));
+        Ok(Shot::ours(&e, exact))
     })?;
+    let lost = traces.iter().filter(|t| **t < 1e-6).count();
+    let besides = vec![(
+        "in 95 % of runs, what was seen of one peak is below 10⁻⁶ of the other",
+        20 * lost >= 19 * traces.len(),
+    )];
     let about = |c| -> Outcome<_> { Ok([Normal::new(c, 1.2 * S)?; 6]) };
     let both = Mixture::new([about(0.25)?, about(0.75)?], [0.5, 0.5])?;
     let remedy = Runs::of(exact, |seed| {
@@ -185,9 +200,10 @@ fn two_peaks() -> Outcome<Entry> {
         naive: None,
         verdict: Verdict::Sometimes,
         ours,
-        instead: "a Mixture of a pdf for each; integrate searches for peaks by itself",
+        instead: "not to be detected, unless little was learned: a Mixture of a pdf for each; \
+                  integrate searches for peaks by itself",
         remedy: Some(remedy),
-        besides: vec![],
+        besides,
     })
 }
 

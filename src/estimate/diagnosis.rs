@@ -81,18 +81,22 @@ pub enum Symptom {
     },
     /// The largest values fall off so slowly that the variance may be infinite
     /// (k ≥ ½ cannot be excluded), and carry much of it. From k̂ = 0.7 on, the mean
-    /// is not reliable either.
+    /// is not reliable either. In an estimate from within strata the values are the
+    /// differences y − y′ of two samples of one stratum.
     HeavyTail {
         /// k̂, the fitted shape: P(|f/p| > y) falls like y^(−1/k).
         shape: f64,
         /// Its standard error.
         standard_error: f64,
-        /// What part of Σ (f/p − ⟨I⟩)² the values have that it was fitted to.
+        /// What part of Σ (f/p − ⟨I⟩)², or Σ (y − y′)², the values have that it was
+        /// fitted to.
         share: f64,
     },
-    /// One sample makes up much of the error bar.
+    /// One sample makes up much of the error bar; from within strata, two of one
+    /// stratum, or a jump between neighbouring strata of which it may know nothing:
+    /// it varies within a stratum only where samples lie on both sides.
     Dominated {
-        /// Its part of Σ (f/p − ⟨I⟩)².
+        /// Its part of Σ (f/p − ⟨I⟩)², or Σ (y − y′)².
         share: f64,
     },
     /// The error bar rests on few values, or few strata.

@@ -36,6 +36,11 @@ pub struct Evidence<V: Value> {
     pub(super) lesson: f64,
 }
 
+/// A tail need not have more values than make up this much of the variance: where
+/// few are far larger than all others, as along a jump or in a peak, the others are
+/// no part of it.
+const CARRIED: f64 = 0.98;
+
 impl<V: Value> Default for Evidence<V> {
     fn default() -> Self {
         let filled = |x: f64| {
@@ -61,31 +66,59 @@ impl<V: Value> Evidence<V> {
         let mut evidence = Self::default();
         for k in 0..V::Components::COUNT {
             let moments = moments.component(k);
-            let largest = tail.largest(k);
-            // Of some of the values, or all of them.
-            let n = tail.seen() as f64;
+            let mean = moments.mean().abs();
             let spread = moments.sum_of_squares();
-            let part = n / (moments.count() + moments.non_finite()) as f64;
-            let share = |values: &[f64], part: f64| {
-                let mean = moments.mean().abs();
-                let apart = values.iter().map(|x| (x - mean) * (x - mean));
-                let share = apart.sum::<f64>() / (spread * part);
-                if share.is_nan() { 0.0 } else { share.min(1.0) }
-            };
-            evidence.largest_share.as_mut()[k] = share(&[moments.largest()], 1.0);
-            // As many as in Pareto smoothing.
-            let points = (3.0 * n.sqrt()).min(n / 5.0) as usize;
-            let points = points.min(largest.len().saturating_sub(1));
-            if points < FEWEST {
-                continue;
-            }
-            if let Some(fit) = Pareto::fit(&largest[..points], largest[points]) {
-                evidence.shape.as_mut()[k] = fit.shape;
-                evidence.shape_error.as_mut()[k] = fit.standard_error();
-                evidence.tail_share.as_mut()[k] = share(&largest[..points], part);
-            }
+            // Of some of the values, or all of them.
+            let part = tail.seen() as f64 / (moments.count() + moments.non_finite()) as f64;
+            evidence.set_tail(k, tail, mean, spread * part);
+            evidence.largest_share.as_mut()[k] = share(&[moments.largest()], mean, spread);
         }
         evidence
+    }
+
+    /// What the largest differences within strata say, of which the squares have this
+    /// mean, and what the largest between neighbours is worth in their units.
+    pub(crate) fn of_differences(
+        tail: &Tail<V::Wide>,
+        squares: &V::Components,
+        steps: &V::Components,
+    ) -> Self {
+        let mut evidence = Self::default();
+        for (k, square) in squares.as_ref().iter().enumerate() {
+            let sum = square * tail.seen() as f64;
+            evidence.set_tail(k, tail, 0.0, sum);
+            let largest = tail.largest(k);
+            let largest = largest.first().map_or(0.0, |d| d.max(steps.as_ref()[k]));
+            evidence.largest_share.as_mut()[k] = share(&[largest], 0.0, sum);
+        }
+        evidence
+    }
+
+    /// The tail of a component that has this mean, Σ (x − mean)² of all of it being
+    /// `squares`.
+    fn set_tail<U>(&mut self, k: usize, tail: &Tail<U>, mean: f64, squares: f64)
+    where
+        U: Value<Components = V::Components>,
+    {
+        let largest = tail.largest(k);
+        let n = tail.seen() as f64;
+        // As many as in Pareto smoothing.
+        let points = (3.0 * n.sqrt()).min(n / 5.0) as usize;
+        let points = points.min(largest.len().saturating_sub(1));
+        let mut sum = 0.0;
+        let carriers = largest.iter().position(|x| {
+            sum += (x - mean) * (x - mean);
+            sum >= CARRIED * squares
+        });
+        let points = points.min(carriers.map_or(points, |last| FEWEST.max(last + 1)));
+        if points < FEWEST {
+            return;
+        }
+        if let Some(fit) = Pareto::fit(&largest[..points], largest[points]) {
+            self.shape.as_mut()[k] = fit.shape;
+            self.shape_error.as_mut()[k] = fit.standard_error();
+            self.tail_share.as_mut()[k] = share(&largest[..points], mean, squares);
+        }
     }
 
     /// The same, of a run whose first and last part, each by itself, found this.
@@ -141,4 +174,11 @@ impl<V: Value> Evidence<V> {
             lesson: self.lesson,
         }
     }
+}
+
+/// What part these values have of Σ (x − mean)².
+fn share(values: &[f64], mean: f64, squares: f64) -> f64 {
+    let apart = values.iter().map(|x| (x - mean) * (x - mean));
+    let share = apart.sum::<f64>() / squares;
+    if share.is_nan() { 0.0 } else { share.min(1.0) }
 }

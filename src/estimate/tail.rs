@@ -37,13 +37,16 @@ pub struct Tail<V: Value> {
     floor: V::Components,
     /// How many values there were.
     seen: u64,
+    /// How many of those that are added are kept of each component.
+    most: usize,
     value: PhantomData<V>,
 }
 
 /// So many are kept of each component.
 pub(super) const KEPT: usize = 256;
-/// So many are collected before the largest of them are told from the rest.
-const COLLECTED: usize = 4 * KEPT;
+/// So many times as many are collected before the largest of them are told from the
+/// rest.
+const COLLECTED: usize = 4;
 /// How many values are compared at once.
 const LANES: usize = 4;
 /// A slice with a large value is searched in pieces of this length.
@@ -63,6 +66,7 @@ impl<V: Value> Tail<V> {
             kept: Vec::new(),
             floor: V::Components::ZERO,
             seen: 0,
+            most: KEPT,
             value: PhantomData,
         }
     }
@@ -74,8 +78,18 @@ impl<V: Value> Tail<V> {
             kept: Vec::new(),
             floor: self.floor,
             seen: 0,
+            most: KEPT,
             value: PhantomData,
         }
+    }
+
+    /// The same, of which only the `most` largest of each component are kept: for one
+    /// of many parts. What is smaller than those of some part is passed over in all,
+    /// so that the rest are the largest of the whole, if not always 256.
+    pub(crate) const fn continued_by_few(&self, most: usize) -> Self {
+        let mut part = self.continued();
+        part.most = most;
+        part
     }
 
     /// Adds a slice of values.
@@ -129,43 +143,44 @@ impl<V: Value> Tail<V> {
             if !self.is_exceeded_by(piece) {
                 continue;
             }
-            for value in piece {
-                let components = value.components();
-                let components = components.as_ref();
-                if !components.iter().all(|x| x.is_finite()) {
-                    continue;
-                }
-                for (k, x) in components.iter().enumerate() {
-                    if x.abs() > self.floor.as_ref()[k] {
-                        self.kept[k].push(x.abs());
-                        self.prune(k);
-                    }
-                }
+            for k in 0..V::Components::COUNT {
+                let (kept, floor) = (&mut self.kept[k], self.floor.as_ref()[k]);
+                kept.extend(piece.iter().filter_map(|value| {
+                    let components = value.components();
+                    let components = components.as_ref();
+                    let x = components[k].abs();
+                    let finite = || components.iter().all(|x| x.abs() <= f64::MAX);
+                    (x > floor && finite()).then_some(x)
+                }));
+                self.prune(k, self.most);
             }
         }
     }
 
     /// Keeps the largest alone, once there are many others.
     #[inline]
-    fn prune(&mut self, k: usize) {
-        if self.kept[k].len() >= COLLECTED {
-            self.keep_largest(k);
+    fn prune(&mut self, k: usize, most: usize) {
+        if self.kept[k].len() >= COLLECTED * most {
+            self.keep_largest(k, most);
         }
     }
 
     /// Keeps the largest alone, so that what is to be merged has to be as large.
     pub(crate) fn settle(&mut self) {
         for k in 0..self.kept.len() {
-            self.keep_largest(k);
+            self.keep_largest(k, self.most);
         }
     }
 
-    fn keep_largest(&mut self, k: usize) {
+    fn keep_largest(&mut self, k: usize, most: usize) {
         let kept = &mut self.kept[k];
-        if kept.len() >= KEPT {
-            let (_, floor, _) = kept.select_nth_unstable_by(KEPT - 1, |a, b| b.total_cmp(a));
-            self.floor.as_mut()[k] = *floor;
-            kept.truncate(KEPT);
+        if kept.len() >= most {
+            // Positive numbers have the order of their bits.
+            let (_, floor, _) =
+                kept.select_nth_unstable_by_key(most - 1, |x| core::cmp::Reverse(x.to_bits()));
+            let floor = floor.max(self.floor.as_ref()[k]);
+            self.floor.as_mut()[k] = floor;
+            kept.truncate(most);
         }
     }
 
@@ -173,6 +188,7 @@ impl<V: Value> Tail<V> {
     #[must_use]
     pub fn largest(&self, component: usize) -> Vec<f64> {
         let mut largest = self.kept.get(component).cloned().unwrap_or_default();
+        largest.retain(|x| *x >= self.floor.as_ref()[component]);
         largest.sort_unstable_by(|a, b| b.total_cmp(a));
         largest.truncate(KEPT);
         largest
@@ -191,7 +207,7 @@ impl<V: Value> Merge for Tail<V> {
         }
         for (k, mut other) in right.kept.into_iter().enumerate() {
             self.kept[k].append(&mut other);
-            self.prune(k);
+            self.prune(k, KEPT);
         }
     }
 }
@@ -268,5 +284,42 @@ mod tests {
         let mut all = Tail::<f64>::new();
         all.push_all(&values);
         assert_eq!((tail.largest(0), tail.seen()), (all.largest(0), 5_000));
+    }
+
+    /// Parts that keep few of their own have fewer than 256 together, but no others
+    /// than the largest.
+    #[test]
+    fn parts_that_keep_few_have_the_largest_of_all() {
+        let values: Vec<f64> = (0..50_000).map(|i| f64::from(i * 7_919 % 50_021)).collect();
+        let few = |parts: &[&[f64]]| {
+            let mut all = Tail::<f64>::new();
+            for values in parts {
+                let mut part = all.continued_by_few(32);
+                values.chunks(100).for_each(|slice| part.push_all(slice));
+                part.settle();
+                all.merge(part);
+            }
+            all.largest(0)
+        };
+        let sorted = {
+            let mut sorted = values.clone();
+            sorted.sort_by(|a, b| b.total_cmp(a));
+            sorted
+        };
+        let even: Vec<&[f64]> = values.chunks(1_000).collect();
+        // The largest 5,000 are all in one part.
+        let crowded: Vec<&[f64]> = [&sorted[..5_000]]
+            .into_iter()
+            .chain(sorted[5_000..].chunks(1_000))
+            .collect();
+        for (parts, fewest) in [(even, 128), (crowded, 32)] {
+            let largest = few(&parts);
+            assert_eq!(largest, sorted[..largest.len()]);
+            assert!(
+                (fewest..=KEPT).contains(&largest.len()),
+                "{}",
+                largest.len()
+            );
+        }
     }
 }

@@ -7,6 +7,7 @@ mod controlled_monte_carlo;
 mod histogram_monte_carlo;
 mod median;
 mod monte_carlo;
+mod pairs;
 mod plan;
 mod randomized_qmc;
 mod regression;
@@ -16,7 +17,6 @@ mod sample_block;
 mod sample_error;
 mod strata;
 mod stratified_monte_carlo;
-mod thinned;
 mod vegas;
 
 pub use crate::estimate::Consistency;

@@ -1,5 +1,6 @@
 //! Means and variances within strata.
 
+use super::pairs::Steps;
 use crate::estimate::{ErrorSource, Estimate, Evidence, Moments, Tail};
 use crate::merge::Merge;
 use crate::sampler::Stratified;
@@ -34,8 +35,11 @@ pub struct Strata<V: Value> {
     ends: Option<Ends<V::Components>>,
     /// Of all primary estimates, pooled.
     pub(super) moments: Moments<V>,
-    /// The largest of them.
+    /// The largest of them, and the largest differences of two of one stratum:
+    /// whichever is collected.
     pub(super) tail: Tail<V>,
+    pub(super) differences: Tail<V::Wide>,
+    pub(super) steps: Steps<V::Components>,
 }
 
 /// The first and the last of a number of strata in sequence; no mean where no
@@ -67,6 +71,8 @@ impl<V: Value> Default for Strata<V> {
             ends: None,
             moments: Moments::new(),
             tail: Tail::new(),
+            differences: Tail::new(),
+            steps: Steps::default(),
         }
     }
 }
@@ -86,6 +92,8 @@ impl<V: Value> Merge for Strata<V> {
         self.freedom += right.freedom;
         self.moments.merge(right.moments);
         self.tail.merge(right.tail);
+        self.differences.merge(right.differences);
+        self.steps.merge(right.steps);
         if let Some(ends) = right.ends {
             self.join(ends);
         }
@@ -93,10 +101,10 @@ impl<V: Value> Merge for Strata<V> {
 }
 
 impl<V: Value> Strata<V> {
-    /// Adds a covariance whose element (k, l) is f(k, l), of ν degrees of
-    /// freedom; given with 1/(ν + 2).
+    /// Adds a covariance whose element (k, l) is f(k, l), of ν degrees of freedom,
+    /// given 1/(ν + 2).
     #[inline]
-    fn add_covariance(&mut self, (nu, weight): (f64, f64), f: impl Fn(usize, usize) -> f64) {
+    fn add_covariance(&mut self, weight: f64, f: impl Fn(usize, usize) -> f64) {
         for k in 0..V::Components::COUNT {
             for l in 0..=k {
                 self.covariances.as_mut()[k].as_mut()[l] += f(k, l);
@@ -104,8 +112,6 @@ impl<V: Value> Strata<V> {
             let variance = f(k, k);
             self.squares.as_mut()[k] += variance * variance * weight;
         }
-        self.terms += 1;
-        self.freedom += nu;
     }
 
     /// Adds the pair of neighbours where strata of one sample each meet those
@@ -118,7 +124,9 @@ impl<V: Value> Strata<V> {
         };
         if let (false, Some(a), Some(b)) = (right.begins_row, left.last, right.first) {
             let d = |k: usize| b.as_ref()[k] - a.as_ref()[k];
-            self.add_covariance((1.0, 1.0 / 3.0), |k, l| 0.5 * d(k) * d(l));
+            self.add_covariance(1.0 / 3.0, |k, l| 0.5 * d(k) * d(l));
+            self.terms += 1;
+            self.freedom += 1.0;
         }
         self.ends = Some(Ends {
             last: right.last,
@@ -130,22 +138,53 @@ impl<V: Value> Strata<V> {
     /// its mean.
     #[inline]
     pub(super) fn add(&mut self, stratum: &Stratum<V>, scales: Scales) -> V::Components {
+        self.count_strata(1, scales);
+        self.add_values(stratum, scales)
+    }
+
+    /// Of strata of n samples each, how many they are.
+    #[inline]
+    fn count_strata(&mut self, count: u64, scales: Scales) {
+        self.count += count;
+        if scales.freedom > 0.0 {
+            self.terms += count;
+            self.freedom += count as f64 * scales.freedom;
+        }
+    }
+
+    /// Of one of them, its mean, which is returned, and its covariance.
+    #[inline]
+    fn add_values(&mut self, stratum: &Stratum<V>, scales: Scales) -> V::Components {
         let mean = stratum.mean(scales.inverse);
         for (sum, m) in self.means.as_mut().iter_mut().zip(mean.as_ref()) {
             *sum += m;
         }
-        self.count += 1;
         if scales.freedom > 0.0 {
-            self.add_covariance((scales.freedom, scales.weight), |k, l| {
-                stratum.covariance(k, l, scales)
-            });
+            self.add_covariance(scales.weight, |k, l| stratum.covariance(k, l, scales));
         }
         mean
     }
 
-    /// What the tail says.
-    pub(super) fn evidence(&self) -> Evidence<V> {
-        Evidence::of(&self.tail, &self.moments)
+    /// What the largest differences within strata of n samples say; of neighbours
+    /// where n is 1.
+    pub(super) fn evidence(&self, n: u64) -> Evidence<V> {
+        let n = n as f64;
+        // E (y − y′)² = 2σₘ², and the covariances are of means of n values.
+        let scale = 2.0 * n / self.terms as f64;
+        // Of a jump that no two of n samples saw, E p² = 2/(n + 2)(n + 3) where p is
+        // the part of the stratum beyond it; in the units of Σ (y − y′)².
+        // Where n is 1, neighbours are what the covariances are of.
+        let unseen = match n {
+            1.0 => 0.0,
+            _ => (2.0 * n * n / ((n + 2.0) * (n + 3.0))).sqrt(),
+        };
+        let mut squares = V::Components::ZERO;
+        let mut steps = self.steps.largest;
+        for k in 0..V::Components::COUNT {
+            squares.as_mut()[k] = self.covariances.as_ref()[k].as_ref()[k] * scale;
+            steps.as_mut()[k] *= unseen;
+        }
+        Evidence::of_differences(&self.differences, &squares, &steps)
     }
 
     /// The estimate from all strata, of one sample each or of more.
@@ -302,12 +341,17 @@ impl<V: Value> Walk<V> {
             let whole = whole.chunks_exact(n);
             values = whole.remainder();
             let mut sums = core::mem::take(strata);
+            sums.count_strata(whole.len() as u64, self.scales);
             for samples in whole {
                 let mut stratum = Stratum::<V>::new(samples[0].components());
-                for y in &samples[1..] {
+                if let [_, y] = samples {
                     stratum.add(y.components());
+                } else {
+                    for y in &samples[1..] {
+                        stratum.add(y.components());
+                    }
                 }
-                sums.add(&stratum, self.scales);
+                sums.add_values(&stratum, self.scales);
             }
             *strata = sums;
         }

@@ -2,11 +2,11 @@
 
 use core::ops::ControlFlow;
 
+use super::pairs::Pairs;
 use super::plan::Plan;
 use super::sample_block::{is_finite, sample_block};
 use super::sample_error::Failure;
 use super::strata::{Strata, Walk};
-use super::thinned::Thinned;
 use super::{Integrator, NonFinite, SampleError};
 use crate::estimate::{ErrorSource, Estimate, Moments, Tolerance};
 use crate::estimator::TryEstimator;
@@ -142,7 +142,7 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
         let mut strata = Strata::default();
         let mut walk = Walk::new(&self.grid, block.start);
         let mut moments = Moments::new();
-        let mut thinned = Thinned::new(&self.done.tail, block.index);
+        let mut pairs = Pairs::new(&self.done.differences, &self.grid, block.start);
         let failure = sample_block(
             &self.grid,
             &self.estimator,
@@ -150,7 +150,7 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
             self.non_finite,
             &mut moments,
             |_, slice| {
-                thinned.push_all(slice);
+                pairs.push_all(slice);
                 match self.non_finite {
                     NonFinite::Refuse => walk.over_finite(slice, &mut strata),
                     NonFinite::SetAside => {
@@ -173,7 +173,8 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
             });
         }
         strata.moments = moments;
-        strata.tail = thinned.tail;
+        strata.differences = pairs.tail;
+        strata.steps = pairs.steps;
         ControlFlow::Continue(StratifiedPartial {
             strata,
             taken,
@@ -196,7 +197,7 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
         }
         if self.next.1.is_multiple_of(sweep) {
             self.done.merge(core::mem::take(&mut self.open));
-            self.done.tail.settle();
+            self.done.differences.settle();
         }
         Ok(())
     }
@@ -210,7 +211,8 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
     }
 
     fn answer(&self) -> Option<Self::Answer> {
-        Some(self.estimate()?.with_evidence(self.done.evidence()))
+        let evidence = self.done.evidence(self.grid.per_stratum());
+        Some(self.estimate()?.with_evidence(evidence))
     }
 }
 

@@ -43,13 +43,27 @@ fn net<const D: usize>(f: impl Fn([f64; D]) -> f64, seed: u64, n: u64) -> Estima
 }
 
 fn strata<const D: usize>(f: impl Fn([f64; D]) -> f64, seed: u64, n: u64) -> Estimate<f64> {
+    on_grid(f, Stratified::filling(n, 2, seed).unwrap())
+}
+
+fn on_grid<const D: usize>(f: impl Fn([f64; D]) -> f64, grid: Stratified<D>) -> Estimate<f64> {
     let f: &dyn Fn([f64; D]) -> f64 = &f;
     let estimator = Importance::new(f, UnitCube::<D>);
-    let grid = Stratified::<D>::filling(n, 2, seed).unwrap();
+    let stop = Stop::samples(grid.len());
     let mut integrator = StratifiedMonteCarlo::new(estimator, grid);
-    run(&mut integrator, &Serial, &Stop::samples(n))
-        .unwrap()
-        .answer
+    run(&mut integrator, &Serial, &stop).unwrap().answer
+}
+
+/// 3 + x + g(y, z), by strata in x alone: within each, what g varies.
+fn deviates(g: impl Fn([f64; 2]) -> f64, per_stratum: u64, seed: u64, n: u64) -> Estimate<f64> {
+    let grid = Stratified::new([n / per_stratum, 1, 1], per_stratum, seed).unwrap();
+    on_grid(|[x, y, z]| 3.0 + x + g([y, z]), grid)
+}
+
+/// g(x), by strata in x.
+fn deviates_along(g: impl Fn(f64) -> f64, n: u64, seed: u64, samples: u64) -> Estimate<f64> {
+    let grid = Stratified::new([samples / n, 1, 1], n, seed).unwrap();
+    on_grid(|[x, _, _]| g(x), grid)
 }
 
 /// In how many of all seeds an answer is doubted.
@@ -88,10 +102,53 @@ fn what_is_easy_is_trusted() {
         ("bell, strata", Box::new(move |s| strata(bell, s, N))),
         ("wave, strata", Box::new(move |s| strata(wave, s, N))),
         ("grow, strata", Box::new(move |s| strata(grow, s, N))),
+        // The next sweep begins far from where the last one ended.
+        (
+            "sweeps",
+            Box::new(|s| {
+                let grid = Stratified::new([250, 1, 1], 2, s).unwrap();
+                let f: &dyn Fn([f64; 3]) -> f64 = &|[x, _, _]| 1.0 + x;
+                let estimator = Importance::new(f, UnitCube::<3>);
+                let mut integrator = StratifiedMonteCarlo::new(estimator, grid);
+                run(&mut integrator, &Serial, &Stop::samples(N))
+                    .unwrap()
+                    .answer
+            }),
+        ),
+        // Few strata have all of the variance, and those are enough.
+        (
+            "peak, strata",
+            Box::new(|s| {
+                let peak = |x: [f64; 2]| {
+                    (-200.0 * x.map(|x| (x - 0.44).powi(2)).iter().sum::<f64>()).exp()
+                };
+                strata(peak, s, N)
+            }),
+        ),
+        ("normal, strata", Box::new(|s| deviates(normal, 2, s, N))),
+        (
+            "uniform, strata",
+            Box::new(|s| deviates(|[y, _]| y, 2, s, N)),
+        ),
+        (
+            "−ln x, strata",
+            Box::new(|s| deviates(|[y, _]| -(-y).ln_1p(), 2, s, N)),
+        ),
+        (
+            "−ln x, of 5",
+            Box::new(|s| deviates(|[y, _]| -(-y).ln_1p(), 5, s, N)),
+        ),
+        (
+            "−ln x, of 1",
+            Box::new(|s| {
+                let grid = Stratified::new([1, 1, N], 1, s).unwrap();
+                on_grid(|[y, _, z]| 3.0 + z - (-y).ln_1p(), grid)
+            }),
+        ),
     ];
     for (name, answer) in cases {
         let doubts = doubted(answer);
-        println!("{name:<14}{:>6.1} %", 100.0 * doubts as f64 / SEEDS as f64);
+        println!("{name:<16}{:>6.1} %", 100.0 * doubts as f64 / SEEDS as f64);
         // More than 1 % are not what chance makes of 1 %.
         let p = 1.0 - binomial(doubts.saturating_sub(1), SEEDS, 0.01);
         assert_plausible(if doubts == 0 { 1.0 } else { p }, name);
@@ -172,6 +229,31 @@ fn what_is_wrong_is_doubted() {
         (
             "ln x/√x, strata",
             Box::new(|s| strata(|[x]| (-x).ln_1p() / (1.0 - x).sqrt(), s, N)),
+        ),
+        // A jump inside of one stratum: in two runs of three no two samples differ.
+        (
+            "jump, strata",
+            Box::new(|s| strata(|[x]| x + f64::from(x > 0.512_345), s, N)),
+        ),
+        (
+            "jump, of 5",
+            Box::new(|s| deviates_along(|x| x + f64::from(x > 0.512_345), 5, s, N)),
+        ),
+        // In each stratum the same: k = 0.75.
+        (
+            "tails, strata",
+            Box::new(|s| deviates(|[y, _]| (1.0 - y).powf(-0.75), 2, s, N)),
+        ),
+        (
+            "tails, of 5",
+            Box::new(|s| deviates(|[y, _]| (1.0 - y).powf(-0.75), 5, s, N)),
+        ),
+        (
+            "tails, of 1",
+            Box::new(|s| {
+                let grid = Stratified::new([1, 1, N], 1, s).unwrap();
+                on_grid(|[y, _, z]| z + (1.0 - y).powf(-0.75), grid)
+            }),
         ),
     ];
     for (name, answer) in cases {
