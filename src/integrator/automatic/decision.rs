@@ -6,8 +6,8 @@ use super::by::Wide;
 use super::choice::{Choice, Method, Promise, Why};
 use super::engine::Engine;
 use super::findings::{
-    APART, BEYOND_MAP, BEYOND_STRATA, EFFECTIVE, FAR, FEWEST, MAPPED, MET, PEAKED, ROUNDS_MORE,
-    SHARP, STRATA, Shares, Stage, TEACH, TEACH_PEAKS, TEACHING,
+    ALIKE, APART, BEYOND_MAP, BEYOND_STRATA, EFFECTIVE, FAR, FEWEST, MAPPED, MET, PEAKED, POLES,
+    ROUNDS_MORE, SHARP, STRATA, Shares, Stage, TEACH, TEACH_PEAKS, TEACHING, TELLING,
 };
 use super::promise::layout;
 use crate::estimate::{Estimate, Moments};
@@ -29,6 +29,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         let most = even.max(mapped).max(peaks);
         // What has few effective points has not met all that those of another have.
         let met = if self.is_peaked() { 1.0 } else { MET };
+        let alike = self.is_alike();
         let unmet = |share: f64| (most / (met * share)).max(1.0).powi(2);
         let of = |p: &Promise<_>| {
             let size = self.size(p.error);
@@ -36,7 +37,8 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
                 // With many axes, what noise teaches adds up to a density that is far
                 // from even, whose errors few samples show.
                 Method::MappedNet | Method::Strata if mapped < even => f64::INFINITY,
-                Method::Peaks if peaks < BEYOND_MAP * mapped => f64::INFINITY,
+                Method::Peaks if peaks < TELLING.max(BEYOND_MAP * mapped) => f64::INFINITY,
+                Method::MappedNet if alike => size * unmet(mapped),
                 // Nets do not see the tails of a map that has learned a jump;
                 // independent points do.
                 Method::MappedNet => (size * MAPPED).max(strata * BEYOND_STRATA) * unmet(mapped),
@@ -146,7 +148,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
 
     /// Whether there may be poles that boxes do not meet.
     pub(super) fn is_wary(&self) -> bool {
-        self.is_peaked() && self.dimension > 2
+        self.is_peaked() && self.findings.shares.even < POLES && self.dimension > 2
     }
 
     /// Whether few of the points say all there is to say.
@@ -162,6 +164,16 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         let out = (squares.zip(variances).zip(largest.as_ref()))
             .map(|((m, v), largest)| largest * largest / (m + v).max(f64::MIN_POSITIVE));
         out.fold(0.0, f64::max) > (n / PEAKED).max(SHARP)
+    }
+
+    /// Whether values behind the map are nearly all alike, with no tails to be missed.
+    fn is_alike(&self) -> bool {
+        let tried = self.findings.tried.map(|e| e.moments);
+        tried.is_some_and(|moments| {
+            let effective = moments.effective_sample_size().components();
+            let n = moments.count() as f64;
+            effective.as_ref().iter().all(|e| *e >= ALIKE * n)
+        })
     }
 
     /// Whether nets through the map and nets on peaks disagree.

@@ -119,6 +119,8 @@ pub(super) const PEAKED: f64 = 30.0;
 pub(super) const SHARP: f64 = 60.0;
 /// Beyond so many dimensions, cubature is not tried where there are peaks.
 pub(super) const SMALL_DIMENSION: usize = 3;
+/// There may be poles where fewer of the samples are effective.
+pub(super) const POLES: f64 = 0.3;
 /// In so many rounds, and in so many more once they have been chosen.
 pub(super) const ROUNDS: u64 = 12;
 pub(super) const ROUNDS_MORE: u64 = 3;
@@ -145,7 +147,7 @@ pub(super) const TEACH: f64 = 0.2;
 /// The exponent by which the error of VEGAS+ is taken to fall.
 pub(super) const STRATA_RATE: f64 = 0.6;
 /// What is not known of a method when it promises: its errors are taken for so many
-/// times larger.
+/// times larger, those of nets through a map where values behind it are not all alike.
 pub(super) const MAPPED: f64 = 2.0;
 pub(super) const STRATA: f64 = 1.2;
 /// A method has met all there is if its share of effective samples is not more than so
@@ -154,6 +156,10 @@ pub(super) const MET: f64 = 2.0;
 /// A map that does as well is better than peaks: so many times more of the samples on
 /// these have to be effective.
 pub(super) const BEYOND_MAP: f64 = 1.5;
+/// What was found are no peaks if fewer of the samples on them are effective.
+pub(super) const TELLING: f64 = 0.03;
+/// Values are nearly alike if so many of them are effective.
+pub(super) const ALIKE: f64 = 0.98;
 /// Two estimates so many standard errors apart disagree.
 pub(super) const APART: f64 = 5.0;
 /// Nets through a map are not taken to be better than so much of VEGAS+.
