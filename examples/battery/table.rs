@@ -17,11 +17,14 @@ pub struct Row {
     pub rms: f64,
     /// How many of the 95 % intervals have the exact value.
     pub covered: u64,
+    /// Answers in doubt, and how many of their intervals have it.
+    pub doubtful: u64,
+    pub doubtful_covered: u64,
     pub methods: String,
     /// Parts of the budget: the most that a pilot took, and what was spent on average.
     pub pilot: f64,
     pub spent: f64,
-    /// Per evaluation, the integrand's own time included.
+    /// Per evaluation, the least of all seeds, the integrand's own time left out.
     pub nanoseconds: f64,
     pub peer: Option<Peer>,
 }
@@ -35,7 +38,7 @@ fn limits(rms: f64, count: u64) -> [f64; 2] {
 
 impl Row {
     pub const HEAD: &str = "| integral | budget | RMS error | best peer | ratio | | covered | p | \
-                            pilot | spent | ns | chosen |";
+                            in doubt | pilot | spent | ns | chosen |";
 
     /// Ours over the best peer's, and whether it is significantly more.
     fn ratio(&self) -> Option<(f64, bool)> {
@@ -44,10 +47,19 @@ impl Row {
         Some((self.rms / peer.rms, more && self.rms > 1e-14))
     }
 
-    /// The probability that so few intervals cover, or fewer, if each does with
+    /// Answers that nothing speaks against, and how many of their intervals cover.
+    fn trusted(&self) -> (u64, u64) {
+        (
+            self.seeds - self.doubtful,
+            self.covered - self.doubtful_covered,
+        )
+    }
+
+    /// The probability that so few of these cover, or fewer, if each does with
     /// probability .95.
     fn probability(&self) -> f64 {
-        Binomial::new(0.95, self.seeds).map_or(f64::NAN, |b| b.cdf(self.covered))
+        let (count, covered) = self.trusted();
+        Binomial::new(0.95, count).map_or(f64::NAN, |b| b.cdf(covered))
     }
 }
 
@@ -70,10 +82,12 @@ impl fmt::Display for Row {
         }
         write!(
             f,
-            " {}/{} | {:.1e} | {:.1} % | {:.0} % | {:.0} | {} |",
-            self.covered,
-            self.seeds,
+            " {}/{} | {:.1e} | {}/{} | {:.1} % | {:.0} % | {:.0} | {} |",
+            self.trusted().1,
+            self.trusted().0,
             self.probability(),
+            self.doubtful_covered,
+            self.doubtful,
             100.0 * self.pilot,
             100.0 * self.spent,
             self.nanoseconds,
@@ -83,19 +97,22 @@ impl fmt::Display for Row {
 }
 
 /// Writes both files.
-pub fn write(rows: &[Row]) -> io::Result<()> {
-    let mut csv =
-        String::from("integral,budget,seeds,rms_rel_err,covered,p,pilot,spent,ns,peer,peer_rms\n");
-    let mut markdown = format!("{}\n|{}\n", Row::HEAD, "---|".repeat(12));
+pub fn write(rows: &[Row], times: &str) -> io::Result<()> {
+    let mut csv = String::from(
+        "integral,budget,seeds,rms_rel_err,covered,doubtful,doubtful_covered,p,pilot,spent,ns,peer,peer_rms\n",
+    );
+    let mut markdown = format!("{}\n|{}\n", Row::HEAD, "---|".repeat(13));
     for row in rows {
         let peer = row.peer.as_ref();
         csv += &format!(
-            "{},{},{},{:e},{},{:e},{},{},{},{},{:e}\n",
+            "{},{},{},{:e},{},{},{},{:e},{},{},{},{},{:e}\n",
             row.name,
             row.budget,
             row.seeds,
             row.rms,
             row.covered,
+            row.doubtful,
+            row.doubtful_covered,
             row.probability(),
             row.pilot,
             row.spent,
@@ -105,6 +122,7 @@ pub fn write(rows: &[Row]) -> io::Result<()> {
         );
         markdown += &format!("{row}\n");
     }
+    markdown += &format!("\n{times}\n");
     fs::create_dir_all("target")?;
     fs::write("target/battery.csv", csv)?;
     fs::write("target/battery.md", markdown)

@@ -6,13 +6,13 @@ use super::by::Wide;
 use super::choice::{Choice, Method, Promise, Why};
 use super::engine::Engine;
 use super::findings::{
-    BEYOND_STRATA, CUBATURE, EFFECTIVE, FAR, FEWEST, MAPPED, PEAKED, ROUNDS_MORE, SHARP, STRATA,
-    Stage, TEACH, TEACH_PEAKS, TEACHING,
+    ALIKE, APART, BEYOND_MAP, BEYOND_STRATA, EFFECTIVE, FAR, FEWEST, MAPPED, MET, PEAKED, POLES,
+    ROUNDS_MORE, SHARP, STRATA, Shares, Stage, TEACH, TEACH_PEAKS, TEACHING, TELLING,
 };
 use super::promise::layout;
-use crate::estimate::Moments;
+use crate::estimate::{Estimate, Moments};
 use crate::estimator::TryEstimator;
-use crate::integrator::{Integrator, Learning};
+use crate::integrator::Learning;
 use crate::value::{Components, Value};
 
 impl<'a, E: TryEstimator> Automatic<'a, E> {
@@ -21,15 +21,32 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         let mut promises = core::mem::take(&mut self.findings.promises);
         let strata = promises.iter().find(|p| p.method == Method::Strata);
         let strata = strata.map_or(f64::INFINITY, |p| self.size(p.error));
-        let learned = self.findings.learned;
-        let of = |p: &Promise<_>| match p.method {
-            Method::MappedNet | Method::Strata if !learned => f64::INFINITY,
-            // Nets do not see the tails of a map that has learned a jump;
-            // independent points do.
-            Method::MappedNet => (self.size(p.error) * MAPPED).max(strata * BEYOND_STRATA),
-            Method::Strata => self.size(p.error) * STRATA,
-            Method::Cubature => self.size(p.error) * CUBATURE,
-            _ => self.size(p.error),
+        let Shares {
+            even,
+            mapped,
+            peaks,
+        } = self.findings.shares;
+        let most = even.max(mapped).max(peaks);
+        // What has few effective points has not met all that those of another have.
+        let met = if self.is_peaked() { 1.0 } else { MET };
+        let alike = self.is_alike();
+        let unmet = |share: f64| (most / (met * share)).max(1.0).powi(2);
+        let of = |p: &Promise<_>| {
+            let size = self.size(p.error);
+            match p.method {
+                // With many axes, what noise teaches adds up to a density that is far
+                // from even, whose errors few samples show.
+                Method::MappedNet | Method::Strata if mapped < even => f64::INFINITY,
+                Method::Peaks if peaks < TELLING.max(BEYOND_MAP * mapped) => f64::INFINITY,
+                Method::MappedNet if alike => size * unmet(mapped),
+                // Nets do not see the tails of a map that has learned a jump;
+                // independent points do.
+                Method::MappedNet => (size * MAPPED).max(strata * BEYOND_STRATA) * unmet(mapped),
+                Method::Strata => size * STRATA * unmet(mapped),
+                Method::Peaks => size * unmet(peaks),
+                Method::Net | Method::Plain => size * unmet(even),
+                Method::Cubature => size,
+            }
         };
         promises.sort_by(|a, b| of(a).total_cmp(&of(b)));
         let method = promises.first().map_or(Method::Net, |p| p.method);
@@ -99,24 +116,39 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         let (Some(cubature), Some(look)) = (boxes.answer(&moments), self.findings.look) else {
             return false;
         };
-        let effective = moments.effective_sample_size().components();
         let (value, error) = (
             cubature.mean.components(),
             cubature.standard_error.components(),
         );
         let (mean, spread) = (look.mean.components(), look.standard_error.components());
-        (0..<E::Value as Value>::Components::COUNT).all(|k| {
-            let apart = (value.as_ref()[k] - mean.as_ref()[k]).abs();
-            let rounding = 1e-12 * mean.as_ref()[k].abs();
-            let variance = moments.variance().map(|v| v.components().as_ref()[k]);
-            let telling = effective.as_ref()[k] >= EFFECTIVE || variance == Some(0.0) || {
-                // The mean may be near 0 where the values are not.
-                let largest = moments.largest().components().as_ref()[k];
-                variance
-                    .is_some_and(|v| largest * largest * EFFECTIVE <= v * moments.count() as f64)
-            };
-            telling && apart <= FAR * spread.as_ref()[k] + error.as_ref()[k] + rounding
+        self.is_telling()
+            && (0..<E::Value as Value>::Components::COUNT).all(|k| {
+                let apart = (value.as_ref()[k] - mean.as_ref()[k]).abs();
+                let rounding = 1e-12 * mean.as_ref()[k].abs();
+                apart <= FAR * spread.as_ref()[k] + error.as_ref()[k] + rounding
+            })
+    }
+
+    /// Whether so many samples are effective that they tell what cubature may have
+    /// missed.
+    pub(super) fn is_telling(&self) -> bool {
+        let moments = &self.findings.moments;
+        let n = moments.count() as f64;
+        let variance = moments.variance().map(|v| v.components());
+        let effective = moments.effective_sample_size().components();
+        let largest = moments.largest().components();
+        variance.is_some_and(|variance| {
+            let mut each = (effective.as_ref().iter().zip(variance.as_ref())).zip(largest.as_ref());
+            // The mean may be near 0 where the values are not.
+            each.all(|((effective, v), largest)| {
+                *effective >= EFFECTIVE || largest * largest * EFFECTIVE <= v * n
+            })
         })
+    }
+
+    /// Whether there may be poles that boxes do not meet.
+    pub(super) fn is_wary(&self) -> bool {
+        self.is_peaked() && self.findings.shares.even < POLES && self.dimension > 2
     }
 
     /// Whether few of the points say all there is to say.
@@ -134,24 +166,48 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         out.fold(0.0, f64::max) > (n / PEAKED).max(SHARP)
     }
 
-    /// Whether values vary less behind the grid than before it, in any component.
-    /// With many axes, what noise teaches adds up to a density that is far from
-    /// even, whose errors few samples show.
-    pub(super) fn has_learned(&self) -> bool {
-        let Engine::Mapped(net) = &self.engine else {
-            return false;
-        };
-        let Some(mapped) = net.answer().map(|e| e.moments) else {
-            return false;
-        };
-        let share = |moments: &Moments<Wide<E>>| {
-            let mut share = moments.effective_sample_size().components();
+    /// Whether values behind the map are nearly all alike, with no tails to be missed.
+    fn is_alike(&self) -> bool {
+        let tried = self.findings.tried.map(|e| e.moments);
+        tried.is_some_and(|moments| {
+            let effective = moments.effective_sample_size().components();
             let n = moments.count() as f64;
-            share.as_mut().iter_mut().for_each(|s| *s /= n);
-            share
+            effective.as_ref().iter().all(|e| *e >= ALIKE * n)
+        })
+    }
+
+    /// Whether nets through the map and nets on peaks disagree.
+    pub(super) fn disagree(&self, peaks: &Estimate<Wide<E>>) -> bool {
+        let Some(mapped) = &self.findings.tried else {
+            return false;
         };
-        let (before, behind) = (share(&self.findings.moments), share(&mapped));
-        let mut shares = before.as_ref().iter().zip(behind.as_ref());
-        shares.any(|(before, behind)| *behind >= *before)
+        let of = |e: &Estimate<Wide<E>>| (e.mean.components(), e.standard_error.components());
+        let ((a, s), (b, t)) = (of(mapped), of(peaks));
+        let means = a.as_ref().iter().zip(b.as_ref());
+        let errors = s.as_ref().iter().zip(t.as_ref());
+        means
+            .zip(errors)
+            .any(|((a, b), (s, t))| (a - b).abs() > APART * s.hypot(*t))
+    }
+
+    /// How near samples come to being all alike, in the component where they are
+    /// farthest from it: where there are peaks, the share of them that is effective;
+    /// else, since signed values may have no mean, the mean square of those of the nets
+    /// as they are over their own.
+    pub(super) fn share(&self, moments: &Moments<Wide<E>>) -> f64 {
+        let scales = self.scales();
+        let (mean, variance) = (moments.mean().components(), moments.variance());
+        let variance = variance.map_or(mean, |v| v.components());
+        let each = mean.as_ref().iter().zip(variance.as_ref());
+        let shares = each.zip(scales.as_ref()).map(|((m, v), scale)| {
+            let alike = if self.is_peaked() {
+                m * m
+            } else {
+                scale.powi(-2)
+            };
+            alike / (m * m + v)
+        });
+        // NaN of a component that is 0 everywhere.
+        shares.fold(f64::INFINITY, f64::min)
     }
 }

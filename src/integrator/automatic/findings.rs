@@ -32,6 +32,17 @@ pub(super) enum Stage {
     Answer,
 }
 
+/// How near samples come to being all alike.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Shares {
+    /// Of those spread evenly.
+    pub(super) even: f64,
+    /// Of those behind the grid.
+    pub(super) mapped: f64,
+    /// Of those on peaks.
+    pub(super) peaks: f64,
+}
+
 /// What the pilot has found.
 pub(super) struct Findings<'a, E: TryEstimator> {
     /// The budget that the pilot belongs to, and how much of it is the pilot's.
@@ -51,8 +62,9 @@ pub(super) struct Findings<'a, E: TryEstimator> {
     pub(super) boxes: Option<Boxes<'a, E>>,
     /// Whether cubature has had a second look.
     pub(super) deeper: bool,
-    /// Whether the grid has learned anything.
-    pub(super) learned: bool,
+    pub(super) shares: Shares,
+    /// Of nets through the map.
+    pub(super) tried: Option<Estimate<Wide<E>>>,
     pub(super) grid: Option<AdaptiveGrid>,
     pub(super) search: Option<Box<Search<'a, E>>>,
     /// What it took to learn.
@@ -74,7 +86,8 @@ impl<E: TryEstimator> Default for Findings<'_, E> {
             history: Vec::new(),
             boxes: None,
             deeper: false,
-            learned: false,
+            shares: Shares::default(),
+            tried: None,
             grid: None,
             search: None,
             lessons: 0,
@@ -106,8 +119,8 @@ pub(super) const PEAKED: f64 = 30.0;
 pub(super) const SHARP: f64 = 60.0;
 /// Beyond so many dimensions, cubature is not tried where there are peaks.
 pub(super) const SMALL_DIMENSION: usize = 3;
-/// What was found are peaks if so many of the samples on them are effective.
-pub(super) const TELLING: f64 = 0.3;
+/// There may be poles where fewer of the samples are effective.
+pub(super) const POLES: f64 = 0.3;
 /// In so many rounds, and in so many more once they have been chosen.
 pub(super) const ROUNDS: u64 = 12;
 pub(super) const ROUNDS_MORE: u64 = 3;
@@ -134,13 +147,23 @@ pub(super) const TEACH: f64 = 0.2;
 /// The exponent by which the error of VEGAS+ is taken to fall.
 pub(super) const STRATA_RATE: f64 = 0.6;
 /// What is not known of a method when it promises: its errors are taken for so many
-/// times larger.
+/// times larger, those of nets through a map where values behind it are not all alike.
 pub(super) const MAPPED: f64 = 2.0;
 pub(super) const STRATA: f64 = 1.2;
+/// A method has met all there is if its share of effective samples is not more than so
+/// many times smaller than that of another, where there are no peaks.
+pub(super) const MET: f64 = 2.0;
+/// A map that does as well is better than peaks: so many times more of the samples on
+/// these have to be effective.
+pub(super) const BEYOND_MAP: f64 = 1.5;
+/// What was found are no peaks if fewer of the samples on them are effective.
+pub(super) const TELLING: f64 = 0.03;
+/// Values are nearly alike if so many of them are effective.
+pub(super) const ALIKE: f64 = 0.98;
+/// Two estimates so many standard errors apart disagree.
+pub(super) const APART: f64 = 5.0;
 /// Nets through a map are not taken to be better than so much of VEGAS+.
 pub(super) const BEYOND_STRATA: f64 = 0.2;
-/// Cubature's errors are smaller than it says.
-pub(super) const CUBATURE: f64 = 0.07;
 /// Cubature's promise has to be so many times better than that of nets to end the
 /// pilot early.
 pub(super) const CLEARLY: f64 = 100.0;

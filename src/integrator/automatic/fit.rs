@@ -8,6 +8,8 @@ const PARTS: usize = 8;
 const STEPS: usize = 6;
 /// A part with less of the weight is given up.
 const LEAST: f64 = 0.005;
+/// A point belongs to a part whose density is more than this much of all.
+const NOTHING: f64 = 1e-6;
 /// No part is narrower.
 const THINNEST: f64 = 1e-3;
 
@@ -36,11 +38,13 @@ pub(super) fn fit(
     if !(total > 0.0 && total.is_finite()) {
         return Mixture::even(dimension);
     }
-    let all = vec![1.0 / total; chosen.len()];
-    let everywhere = Moments::of(&chosen, &all, dimension);
+    let mut everywhere = Sums::about(&vec![0.5; dimension]);
+    for (x, w) in &chosen {
+        everywhere.push(x, w / total);
+    }
     // To begin with, parts are as wide as if they shared all there is evenly.
     let narrow = (PARTS as f64).powf(-2.0 / dimension as f64);
-    let diagonal = everywhere.variances();
+    let diagonal = everywhere.moments().variances();
     let mut parts: Vec<Part> = far_apart(&chosen, &diagonal)
         .into_iter()
         .filter_map(|mean| {
@@ -49,23 +53,22 @@ pub(super) fn fit(
         })
         .collect();
     for step in 0..STEPS {
-        let densities: Vec<Vec<f64>> = chosen
-            .iter()
-            .map(|(x, _)| {
-                let each = parts.iter().map(|p| p.share() * p.density(x));
-                let each: Vec<f64> = each.collect();
-                let sum: f64 = each.iter().sum();
-                let scale = if sum > 0.0 { 1.0 / (total * sum) } else { 0.0 };
-                each.into_iter().map(|p| p * scale).collect()
-            })
-            .collect();
+        let mut sums: Vec<Sums> = parts.iter().map(|p| Sums::about(p.mean())).collect();
+        let mut each = vec![0.0; parts.len()];
+        for (x, w) in &chosen {
+            for (each, part) in each.iter_mut().zip(&parts) {
+                *each = part.share() * part.density(x);
+            }
+            let sum: f64 = each.iter().sum();
+            for (sums, density) in sums.iter_mut().zip(&each) {
+                if *density > NOTHING * sum {
+                    sums.push(x, w / total * density / sum);
+                }
+            }
+        }
         let factor = if step + 1 == STEPS { wider } else { 1.0 };
-        parts = (0..parts.len())
-            .filter_map(|k| {
-                let shares: Vec<f64> = densities.iter().map(|each| each[k]).collect();
-                let moments = Moments::of(&chosen, &shares, dimension);
-                moments.part(&diagonal, factor)
-            })
+        parts = (sums.into_iter())
+            .filter_map(|sums| sums.moments().part(&diagonal, factor))
             .collect();
     }
     Mixture::new(dimension, even, parts)
@@ -122,7 +125,67 @@ fn lower(diagonal: &[f64]) -> Vec<f64> {
     .collect()
 }
 
-/// Of points, each of which counts w · share.
+/// Sums over points of these weights, of x − c: Σ w, Σ w², Σ w x, Σ w xxᵀ.
+struct Sums {
+    centre: Vec<f64>,
+    weight: f64,
+    squares: f64,
+    first: Vec<f64>,
+    /// The lower triangle, by rows.
+    second: Vec<f64>,
+    away: Vec<f64>,
+}
+
+impl Sums {
+    fn about(centre: &[f64]) -> Self {
+        let d = centre.len();
+        Self {
+            centre: centre.to_vec(),
+            weight: 0.0,
+            squares: 0.0,
+            first: vec![0.0; d],
+            second: vec![0.0; d * (d + 1) / 2],
+            away: vec![0.0; d],
+        }
+    }
+
+    fn push(&mut self, x: &[f64], w: f64) {
+        self.weight += w;
+        self.squares += w * w;
+        let terms = self.away.iter_mut().zip(x).zip(&self.centre);
+        for (((away, x), c), first) in terms.zip(&mut self.first) {
+            *away = x - c;
+            *first += w * *away;
+        }
+        let mut rest = &mut self.second[..];
+        for (i, a) in self.away.iter().enumerate() {
+            let (row, after) = rest.split_at_mut(i + 1);
+            for (sum, b) in row.iter_mut().zip(&self.away) {
+                *sum += w * a * b;
+            }
+            rest = after;
+        }
+    }
+
+    fn moments(mut self) -> Moments {
+        self.first.iter_mut().for_each(|m| *m /= self.weight);
+        let (mut second, first) = (self.second.iter_mut(), &self.first);
+        for (i, a) in first.iter().enumerate() {
+            for (sum, b) in second.by_ref().take(i + 1).zip(first) {
+                *sum = *sum / self.weight - a * b;
+            }
+        }
+        let mean = self.centre.iter().zip(first).map(|(c, m)| c + m);
+        Moments {
+            weight: self.weight,
+            effective: self.weight * self.weight / self.squares,
+            mean: mean.collect(),
+            covariance: self.second,
+        }
+    }
+}
+
+/// Of weighted points.
 struct Moments {
     weight: f64,
     /// (Σ w)²/Σ w²
@@ -132,39 +195,6 @@ struct Moments {
 }
 
 impl Moments {
-    fn of(chosen: &[(&[f64], f64)], shares: &[f64], d: usize) -> Self {
-        let (mut weight, mut squares, mut mean) = (0.0, 0.0, vec![0.0; d]);
-        for ((x, w), share) in chosen.iter().zip(shares) {
-            let w = w * share;
-            weight += w;
-            squares += w * w;
-            for (m, x) in mean.iter_mut().zip(*x) {
-                *m += w * x;
-            }
-        }
-        mean.iter_mut().for_each(|m| *m /= weight);
-        let mut covariance = vec![0.0; d * (d + 1) / 2];
-        let mut away = vec![0.0; d];
-        for ((x, w), share) in chosen.iter().zip(shares) {
-            for ((a, x), m) in away.iter_mut().zip(*x).zip(&mean) {
-                *a = x - m;
-            }
-            let w = w * share / weight;
-            let mut sums = covariance.iter_mut();
-            for i in 0..d {
-                for (c, b) in sums.by_ref().take(i + 1).zip(&away) {
-                    *c += w * away[i] * b;
-                }
-            }
-        }
-        Self {
-            weight,
-            effective: weight * weight / squares,
-            mean,
-            covariance,
-        }
-    }
-
     fn variances(&self) -> Vec<f64> {
         let d = self.mean.len();
         (0..d).map(|i| self.covariance[i * (i + 3) / 2]).collect()

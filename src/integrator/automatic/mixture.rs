@@ -6,6 +6,9 @@ use crate::sampler::Coordinates;
 /// The most axes.
 pub(super) const MOST_AXES: usize = 24;
 
+/// Beyond so many variances a density is nothing beside points spread evenly.
+const FAR: f64 = 144.0;
+
 /// A point of the cube, or beyond it.
 pub(super) type Point = [f64; MOST_AXES];
 
@@ -63,17 +66,20 @@ impl Part {
         })
     }
 
-    /// N(x; μ, Σ)
+    /// N(x; μ, Σ), taken for 0 beyond 12 standard deviations.
     #[inline]
     pub(super) fn density(&self, x: &[f64]) -> f64 {
         let mut z = [0.0; MOST_AXES];
-        let (mut square, mut row) = (0.0, 0);
+        let (mut square, mut rest) = (0.0, &self.root[..]);
         for (i, (x, mean)) in x.iter().zip(&self.mean).enumerate() {
-            let root = &self.root[row..=row + i];
-            let known: f64 = root[..i].iter().zip(&z).map(|(l, z)| l * z).sum();
-            z[i] = (x - mean - known) * root[i];
+            let (row, after) = rest.split_at(i + 1);
+            let known: f64 = row[..i].iter().zip(&z).map(|(l, z)| l * z).sum();
+            z[i] = (x - mean - known) * row[i];
             square += z[i] * z[i];
-            row += i + 1;
+            if square > FAR {
+                return 0.0;
+            }
+            rest = after;
         }
         self.height * (-0.5 * square).exp()
     }
@@ -88,6 +94,10 @@ impl Part {
             row += i + 1;
         }
         x
+    }
+
+    pub(super) fn mean(&self) -> &[f64] {
+        &self.mean
     }
 
     pub(super) const fn share(&self) -> f64 {

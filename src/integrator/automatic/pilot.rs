@@ -6,9 +6,9 @@ use super::by::Wide;
 use super::choice::{Method, Promise, Why};
 use super::engine::Engine;
 use super::findings::{
-    BASE, BOXES, CLEARLY, CUBATURE, FEW, LEARN, LOOK, MANY, MOST_PILOT, MOST_SHARE, PILOT_LESSONS,
-    PLAUSIBLE, REPLICATES, ROUNDS, SHARE, SMALL, SMALL_DIMENSION, STRATA_RATE, Stage, TEACH,
-    TEACH_PEAKS, TELLING, UNLIMITED,
+    BASE, BOXES, CLEARLY, FEW, LEARN, LOOK, MANY, MOST_PILOT, MOST_SHARE, PILOT_LESSONS, PLAUSIBLE,
+    REPLICATES, ROUNDS, SHARE, SMALL, SMALL_DIMENSION, STRATA_RATE, Shares, Stage, TEACH,
+    TEACH_PEAKS, UNLIMITED,
 };
 use super::mixture::MOST_AXES;
 use super::promise::{fewest, layout, rate, size, times};
@@ -33,6 +33,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         if self.stage == Stage::Look {
             self.findings.look = Some(estimate);
             self.findings.moments = estimate.moments;
+            self.findings.shares.even = self.share(&estimate.moments);
         }
         let error = size(&estimate.standard_error.components(), &self.scales());
         if self
@@ -186,7 +187,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             return self.choose(Method::Net, Why::AllZero);
         }
         let allowance = (self.findings.pilot as f64 * BOXES) as u64;
-        if self.is_peaked() && self.dimension > SMALL_DIMENSION {
+        if !self.is_telling() && self.dimension > SMALL_DIMENSION {
             return self.search();
         }
         let degrees = [(Degree::Nine, MANY), (Degree::Seven, FEW)];
@@ -231,7 +232,11 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
 
     fn after_trying(&mut self) {
         self.promise_of_net(Method::MappedNet);
-        self.findings.learned = self.has_learned();
+        if let Engine::Mapped(net) = &self.engine {
+            self.findings.tried = net.answer();
+            let moments = self.findings.tried.map(|e| e.moments);
+            self.findings.shares.mapped = moments.map_or(0.0, |m| self.share(&m));
+        }
         let Some(search) = &self.findings.search else {
             return self.decide();
         };
@@ -250,11 +255,12 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         if let Engine::Mixed(net) = &self.engine
             && let Some(estimate) = net.answer()
         {
-            let effective = estimate.moments.effective_sample_size().components();
-            let fewest = TELLING * estimate.samples() as f64;
-            if effective.as_ref().iter().any(|n| *n >= fewest) {
-                self.promise_of_net(Method::Peaks);
+            self.findings.shares.peaks = self.share(&estimate.moments);
+            let Shares { mapped, peaks, .. } = self.findings.shares;
+            if mapped < peaks && self.disagree(&estimate) {
+                self.findings.shares.mapped = 0.0;
             }
+            self.promise_of_net(Method::Peaks);
         }
         self.decide();
     }
@@ -270,12 +276,12 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         let Engine::Boxes(boxes) = self.go(Stage::Boxes, idle, 0) else {
             return self.search();
         };
-        if let Some(error) = boxes.promise(self.rest() + boxes.spent())
+        if let Some(error) = boxes.promise(self.rest() + boxes.spent(), self.is_wary())
             && self.agrees(&boxes)
         {
             let settled = boxes.is_settled();
             let net = self.findings.promises.first().map(|p| self.size(p.error));
-            let times = net.map_or(f64::INFINITY, |net| self.size(error) * CUBATURE / net);
+            let times = net.map_or(f64::INFINITY, |net| self.size(error) / net);
             let clear = settled || times * CLEARLY < 1.0;
             if !clear && times < PLAUSIBLE && !self.findings.deeper {
                 // Worth another look.

@@ -66,7 +66,7 @@ type Found<E> = SearchPartial<Wide<E>, <E as TryEstimator>::Error>;
 
 /// A fit looks at so many points, and at so many once what is looked for is known.
 const LOOKS: usize = 1 << 10;
-const LOOKS_LAST: usize = 1 << 13;
+const LOOKS_LAST: usize = 1 << 12;
 /// Points in a block.
 const BLOCK: u64 = 64;
 /// Effective points for each axis that a fit is made of, and the fewest.
@@ -109,9 +109,14 @@ impl<'a, E: TryEstimator> Search<'a, E> {
         Self { non_finite, ..self }
     }
 
-    /// Looks at so many points more.
+    /// Looks at so many points more, and at none of those before: what they have taught
+    /// is in the mixture.
     pub(super) fn go_on(&mut self, budget: u64, rounds: u64) {
-        self.rounds += rounds;
+        self.rounds = rounds;
+        self.past.clear();
+        self.points.clear();
+        self.sizes.clear();
+        self.densities.clear();
         self.looks = LOOKS_LAST;
         self.each = (budget / rounds).max(1);
     }
