@@ -6,8 +6,8 @@ use super::by::Wide;
 use super::choice::{Choice, Method, Promise, Why};
 use super::engine::Engine;
 use super::findings::{
-    ALIKE, APART, BEYOND_MAP, BEYOND_STRATA, EFFECTIVE, FAR, FEWEST, MAPPED, MET, PEAKED, POLES,
-    ROUNDS_MORE, SHARP, STRATA, Shares, Stage, TEACH, TEACH_PEAKS, TEACHING, TELLING,
+    APART, BEYOND_MAP, BEYOND_STRATA, EFFECTIVE, FAR, FEWEST, MAPPED, MEANT, MET, PEAKED, POLES,
+    ROUNDS_MORE, SHARP, STRATA, Shares, Stage, TEACH, TEACH_PEAKS, TEACHING, TELLING, UNLIKE,
 };
 use super::promise::layout;
 use crate::estimate::{Estimate, Moments};
@@ -166,13 +166,19 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         out.fold(0.0, f64::max) > (n / PEAKED).max(SHARP)
     }
 
-    /// Whether values behind the map are nearly all alike, with no tails to be missed.
+    /// Whether values behind the map are nearly all alike, with no tails to be missed,
+    /// and that by the map.
     fn is_alike(&self) -> bool {
-        let tried = self.findings.tried.map(|e| e.moments);
-        tried.is_some_and(|moments| {
-            let effective = moments.effective_sample_size().components();
+        let unlike = |moments: &Moments<Wide<E>>| {
+            let mut share = moments.effective_sample_size().components();
             let n = moments.count() as f64;
-            effective.as_ref().iter().all(|e| *e >= ALIKE * n)
+            share.as_mut().iter_mut().for_each(|s| *s = 1.0 - *s / n);
+            share
+        };
+        self.findings.tried.is_some_and(|tried| {
+            let (before, behind) = (unlike(&self.findings.moments), unlike(&tried.moments));
+            let mut each = before.as_ref().iter().zip(behind.as_ref());
+            each.all(|(before, behind)| *behind <= UNLIKE.min(0.5 * before))
         })
     }
 
@@ -190,24 +196,15 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             .any(|((a, b), (s, t))| (a - b).abs() > APART * s.hypot(*t))
     }
 
-    /// How near samples come to being all alike, in the component where they are
-    /// farthest from it: where there are peaks, the share of them that is effective;
-    /// else, since signed values may have no mean, the mean square of those of the nets
-    /// as they are over their own.
+    /// The share of samples that is effective, in the component where it is least, of
+    /// those that have a mean to speak of: of values of both signs it may say nothing.
     pub(super) fn share(&self, moments: &Moments<Wide<E>>) -> f64 {
-        let scales = self.scales();
-        let (mean, variance) = (moments.mean().components(), moments.variance());
-        let variance = variance.map_or(mean, |v| v.components());
-        let each = mean.as_ref().iter().zip(variance.as_ref());
-        let shares = each.zip(scales.as_ref()).map(|((m, v), scale)| {
-            let alike = if self.is_peaked() {
-                m * m
-            } else {
-                scale.powi(-2)
-            };
-            alike / (m * m + v)
-        });
-        // NaN of a component that is 0 everywhere.
-        shares.fold(f64::INFINITY, f64::min)
+        let n = moments.count() as f64;
+        let effective = moments.effective_sample_size().components();
+        let before = self.findings.moments.effective_sample_size().components();
+        let each = effective.as_ref().iter().zip(before.as_ref());
+        let told = each.filter(|(_, before)| self.is_peaked() || **before >= MEANT);
+        let least = told.map(|(effective, _)| effective / n).reduce(f64::min);
+        least.unwrap_or(1.0)
     }
 }

@@ -32,7 +32,7 @@ pub(super) enum Stage {
     Answer,
 }
 
-/// How near samples come to being all alike.
+/// Which part of the samples is effective.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Shares {
     /// Of those spread evenly.
@@ -150,6 +150,8 @@ pub(super) const STRATA_RATE: f64 = 0.6;
 /// times larger, those of nets through a map where values behind it are not all alike.
 pub(super) const MAPPED: f64 = 2.0;
 pub(super) const STRATA: f64 = 1.2;
+/// The square of how many standard errors a mean to speak of is away from 0.
+pub(super) const MEANT: f64 = 10.0;
 /// A method has met all there is if its share of effective samples is not more than so
 /// many times smaller than that of another, where there are no peaks.
 pub(super) const MET: f64 = 2.0;
@@ -158,8 +160,8 @@ pub(super) const MET: f64 = 2.0;
 pub(super) const BEYOND_MAP: f64 = 1.5;
 /// What was found are no peaks if fewer of the samples on them are effective.
 pub(super) const TELLING: f64 = 0.03;
-/// Values are nearly alike if so many of them are effective.
-pub(super) const ALIKE: f64 = 0.98;
+/// Values are nearly alike if no more of them are not effective.
+pub(super) const UNLIKE: f64 = 0.02;
 /// Two estimates so many standard errors apart disagree.
 pub(super) const APART: f64 = 5.0;
 /// Nets through a map are not taken to be better than so much of VEGAS+.
