@@ -7,7 +7,8 @@ use crate::merge::Merge;
 /// in each cell of each axis.
 ///
 /// An average, not a sum: how many samples fell into a cell is chance, or the
-/// choice of a sampler that prefers some strata, and says nothing of f.
+/// choice of a sampler that prefers some strata, and says nothing of f. Of a cell
+/// without samples nothing is known.
 ///
 /// # Example
 ///
@@ -16,8 +17,10 @@ use crate::merge::Merge;
 ///
 /// let mut grid = AdaptiveGrid::new(2, 2)?;
 /// let mut histogram = GridHistogram::of(&grid);
-/// histogram.add(&[0, 1], 4.0); // (f/p)² = 4 at the left, above
-/// histogram.add(&[1, 1], 4.0); // .. and at the right, above
+/// for left_or_right in [0, 1] {
+///     histogram.add(&[left_or_right, 1], 4.0); // (f/p)² = 4 above
+///     histogram.add(&[left_or_right, 0], 0.0);
+/// }
 /// grid.refine(&histogram, 0.5, 2)?;
 /// assert_eq!(grid.edges(0), [0.0, 0.5, 1.0]);
 /// assert!(grid.edges(1)[1] > 0.5);
