@@ -196,23 +196,20 @@ where
     #[inline(always)]
     fn run(self) {
         let mut wider = [[0.0; LANES]; ROOM];
-        let mut groups = self.columns.chunks_exact_mut(P::Unit::COLUMNS);
-        let mut primaries = |group: &mut [[f64; LANES]]| {
-            if P::Point::COLUMNS > P::Unit::COLUMNS {
+        let groups = self.columns.chunks_exact_mut(P::Unit::COLUMNS);
+        // The rest apart, so that whole groups are stored from registers; one call for
+        // both, so that it is inlined.
+        let (whole, rest) = self.values.as_chunks_mut();
+        let mut last = [F::Value::wide(Components::ZERO); LANES];
+        for (values, group) in whole.iter_mut().chain([&mut last]).zip(groups) {
+            *values = if P::Point::COLUMNS > P::Unit::COLUMNS {
                 wider[..P::Unit::COLUMNS].copy_from_slice(group);
                 self.estimator.primaries(&mut wider[..P::Point::COLUMNS])
             } else {
                 self.estimator.primaries(group)
-            }
-        };
-        // Apart, so that whole groups stay in registers.
-        let (whole, rest) = self.values.as_chunks_mut();
-        for (values, group) in whole.iter_mut().zip(&mut groups) {
-            *values = primaries(group);
+            };
         }
-        if let (false, Some(group)) = (rest.is_empty(), groups.next()) {
-            rest.copy_from_slice(&primaries(group)[..rest.len()]);
-        }
+        rest.copy_from_slice(&last[..rest.len()]);
     }
 }
 
