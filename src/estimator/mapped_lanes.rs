@@ -23,10 +23,6 @@ pub(crate) fn through_all<E: TryEstimator, C: Coordinates>(
     mut one: impl FnMut(&mut C) -> Result<<E::Value as Value>::Wide, E::Error>,
     mut see: impl FnMut(&[[u32; LANES]], &[<E::Value as Value>::Wide; LANES]),
 ) -> Result<(), (usize, E::Error)> {
-    let (dim, begun) = match estimator.dimension() {
-        Some(dim @ 1..=ROOM) => (dim, points.until_lanes().min(values.len())),
-        _ => (1, values.len()),
-    };
     let mut one_by_one = |points: &mut C, values: &mut [_], before: usize| {
         for (taken, value) in values.iter_mut().enumerate() {
             points.next_point();
@@ -34,6 +30,10 @@ pub(crate) fn through_all<E: TryEstimator, C: Coordinates>(
         }
         Ok(())
     };
+    let Some(dim @ 1..=ROOM) = estimator.dimension() else {
+        return one_by_one(points, values, 0);
+    };
+    let begun = points.until_lanes().min(values.len());
     let (first, values) = values.split_at_mut(begun);
     one_by_one(points, first, 0)?;
     let (whole, rest) = values.as_chunks_mut();
