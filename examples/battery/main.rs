@@ -15,6 +15,8 @@
 
 #[path = "../../tests/support/integrals.rs"]
 mod integrals;
+#[path = "../support/limits.rs"]
+mod limits;
 mod peers;
 mod table;
 

@@ -4,8 +4,9 @@ use std::fmt;
 use std::fs;
 use std::io;
 
-use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF};
+use statrs::distribution::{Binomial, DiscreteCDF};
 
+use crate::limits::limits;
 use crate::peers::Peer;
 
 /// What all seeds of an integral came to.
@@ -27,13 +28,6 @@ pub struct Row {
     /// Per evaluation, the least of all seeds, the integrand's own time left out.
     pub nanoseconds: f64,
     pub peer: Option<Peer>,
-}
-
-/// 95 % limits of a root mean square of so many normal errors.
-fn limits(rms: f64, count: u64) -> [f64; 2] {
-    let n = count as f64;
-    let of = |p| ChiSquared::new(n).map_or(f64::NAN, |chi| rms * (n / chi.inverse_cdf(p)).sqrt());
-    [of(0.975), of(0.025)]
 }
 
 impl Row {

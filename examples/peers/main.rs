@@ -4,6 +4,7 @@
 //! ```sh
 //! cargo run --release --features chart --example peers -- FOLDER          # a minute
 //! cargo run --release --features chart --example peers -- FOLDER --full   # half an hour
+//! cargo run --release --features chart --example peers -- FOLDER --vegas  # a quarter of one
 //! ```
 //!
 //! FOLDER, or the variable `ESTIMAND_PEERS`, has the programs: `bench_c` (GSL, Cuba,
@@ -14,11 +15,15 @@
 //! processor seconds. What is not installed is left out.
 //!
 //! `--full` takes all 29 integrals, 10⁴ to 10⁶ evaluations and 20 seeds. Writes
-//! `target/peers.svg`, `.csv` and `.md`. One thread.
+//! `target/peers.svg`, `.csv` and `.md`. `--vegas` sets VEGAS+ alone beside vegas, at
+//! equal evaluations, and writes `target/vegas.md`. One thread.
 
+mod beside_vegas;
 #[path = "../../tests/support/integrals.rs"]
 #[allow(dead_code, reason = "the tests use all of it")]
 mod integrals;
+#[path = "../support/limits.rs"]
+mod limits;
 #[path = "../support/on_cube.rs"]
 mod on_cube;
 mod programs;
@@ -83,13 +88,16 @@ fn main() -> Outcome<()> {
         println!("nothing to compare with: neither a folder nor ESTIMAND_PEERS was given");
         return Ok(());
     };
+    fs::create_dir_all("target")?;
+    if arguments.iter().any(|a| a == "--vegas") {
+        return Ok(fs::write("target/vegas.md", beside_vegas::table(&folder)?)?);
+    }
     let effort = if full { FULL } else { SMALL };
 
     let mut chosen = integrals();
     chosen.retain(|i| effort.integrals.is_empty() || effort.integrals.contains(&i.name));
     let (peers, theirs) = run_peers(&folder, &effort);
 
-    fs::create_dir_all("target")?;
     let csv = "target/peers.csv";
     let _ = fs::remove_file(csv); // what an earlier call has left
     let mut studies = Vec::new();
@@ -107,7 +115,14 @@ fn main() -> Outcome<()> {
                 Ok(*runs.get(seed % runs.len()).ok_or("it ended before")?)
             })?;
         }
-        let row = target::row(&study, integral, &peers, &folder, &effort)?;
+        // Where seeds make no difference, an error is an accident.
+        let last = effort.budgets.last().copied().unwrap_or(1);
+        let varies = |peer: &&Peer| {
+            let runs = theirs.get(&(peer.name, integral.name.into(), last));
+            runs.is_some_and(|runs| runs.iter().any(|run| run.value != runs[0].value))
+        };
+        let sampling: Vec<&Peer> = peers.iter().filter(varies).collect();
+        let row = target::row(&study, integral, &sampling, &folder, &effort)?;
         println!("{}", row.trim_end());
         times += &row;
         studies.push(study);

@@ -29,30 +29,31 @@ pub fn integrate(integral: &Integral, budget: u64, seed: u64) -> Outcome<Found> 
 }
 
 /// A line of the table: the smallest budget, of powers of two, with which `integrate`
-/// is as good as the best peer with the last budget; the time that each takes.
+/// is as good as the best peer of `sampling` with the last budget; the time that each
+/// takes.
 pub fn row(
     study: &Study,
     integral: &Integral,
-    peers: &[Peer],
+    sampling: &[&Peer],
     folder: &Path,
     effort: &Effort,
 ) -> Outcome<String> {
     let last = effort.budgets.last().copied().unwrap_or(1);
-    let of = |peer: &Peer| {
+    let of = |name: &str| {
         let mut all = study.records().iter();
-        all.find(|r| r.method == peer.name && r.budget == last)
+        all.find(|r| r.method == name && r.budget == last)
     };
     let relative = |r: &Record| r.rmse / integral.exact.abs();
     let rule = |name: &str| {
-        let found = peers.iter().find(|p| p.name == name).and_then(of);
+        let found = of(name);
         found.map_or("–".into(), |r| {
             format!("{:.1e} in {:.1e} s", relative(r), r.seconds)
         })
     };
     let rules = format!("{} | {}", rule("Cuba Cuhre"), rule("hcubature"));
-    let sampling = peers.iter().filter(|p| p.samples);
     let best = sampling
-        .filter_map(|p| Some((p, of(p)?)))
+        .iter()
+        .filter_map(|p| Some((p, of(p.name)?)))
         .min_by(|a, b| a.1.rmse.total_cmp(&b.1.rmse));
     let Some((peer, best)) = best else {
         return Ok(format!(
@@ -108,7 +109,7 @@ fn reach(integral: &Integral, rmse: f64, most: u64, seeds: u32) -> Outcome<Optio
     Ok(None)
 }
 
-fn median(mut all: Vec<f64>) -> f64 {
+pub fn median(mut all: Vec<f64>) -> f64 {
     all.sort_by(f64::total_cmp);
     all.get(all.len() / 2).copied().unwrap_or(f64::NAN)
 }

@@ -18,24 +18,13 @@ impl Estimator for OnCube<'_> {
     #[inline]
     fn estimate<C: Coordinates>(&self, u: &mut C) -> f64 {
         let mut x = [0.0; MOST];
-        for x in x.iter_mut().take(self.0.dimension) {
-            *x = u.next_1d();
-        }
-        at(self.0, &x)
+        let x = &mut x[..self.0.dimension];
+        x.fill_with(|| u.next_1d());
+        self.0.of(x)
     }
-}
 
-#[inline(never)]
-fn at(integral: &Integral, x: &[f64; MOST]) -> f64 {
-    match *x {
-        [a, ..] if integral.dimension == 1 => integral.at([a]),
-        [a, b, ..] if integral.dimension == 2 => integral.at([a, b]),
-        [a, b, c, ..] if integral.dimension == 3 => integral.at([a, b, c]),
-        [a, b, c, d, ..] if integral.dimension == 4 => integral.at([a, b, c, d]),
-        [a, b, c, d, e, ..] if integral.dimension == 5 => integral.at([a, b, c, d, e]),
-        [a, b, c, d, e, f, g, h, ..] if integral.dimension == 8 => {
-            integral.at([a, b, c, d, e, f, g, h])
-        }
-        x => integral.at(x),
+    #[inline]
+    fn dimension(&self) -> Option<usize> {
+        Some(self.0.dimension)
     }
 }

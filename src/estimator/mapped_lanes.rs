@@ -3,7 +3,7 @@
 use super::TryEstimator;
 use crate::lanes::LANES;
 use crate::pdf::{AdaptiveGrid, warp_lanes};
-use crate::sampler::Coordinates;
+use crate::sampler::{Coordinates, one_by_one};
 use crate::value::Value;
 
 /// For so many coordinates is there room; points of more are read one by one.
@@ -23,7 +23,7 @@ pub(crate) fn through_all<E: TryEstimator, C: Coordinates>(
     mut one: impl FnMut(&mut C) -> Result<<E::Value as Value>::Wide, E::Error>,
     mut see: impl FnMut(&[[u32; LANES]], &[<E::Value as Value>::Wide; LANES]),
 ) -> Result<(), (usize, E::Error)> {
-    let mut one_by_one = |points: &mut C, values: &mut [_], before: usize| {
+    let mut each = |points: &mut C, values: &mut [_], before: usize| {
         for (taken, value) in values.iter_mut().enumerate() {
             points.next_point();
             *value = one(points).map_err(|e| (before + taken, e))?;
@@ -31,11 +31,11 @@ pub(crate) fn through_all<E: TryEstimator, C: Coordinates>(
         Ok(())
     };
     let Some(dim @ 1..=ROOM) = estimator.dimension() else {
-        return one_by_one(points, values, 0);
+        return each(points, values, 0);
     };
     let begun = points.until_lanes().min(values.len());
     let (first, values) = values.split_at_mut(begun);
-    one_by_one(points, first, 0)?;
+    each(points, first, 0)?;
     let (whole, rest) = values.as_chunks_mut();
     let mut columns = [[0.0; LANES]; ROOM];
     let mut cells = [[0; LANES]; ROOM];
@@ -82,7 +82,7 @@ pub(crate) fn through_all<E: TryEstimator, C: Coordinates>(
         }
         before += groups.len() * LANES;
     }
-    one_by_one(points, rest, before)
+    each(points, rest, before)
 }
 
 /// Points side by side, group after group, read one by one.
@@ -122,6 +122,20 @@ impl Coordinates for Columns<'_> {
         let column = self.groups.get(self.axis);
         self.axis += 1;
         column.map_or(f64::NAN, |column| column[(self.lane + LANES - 1) % LANES])
+    }
+
+    #[inline]
+    fn fill_lanes(&mut self, dim: usize, columns: &mut [[f64; LANES]]) {
+        if self.until_lanes() != 0 || dim != self.dim {
+            return one_by_one(self, dim, columns);
+        }
+        let past = if self.lane == 0 { 0 } else { dim };
+        let ahead = self.groups.get(past..).unwrap_or_default();
+        let (some, rest) = columns.split_at_mut(ahead.len().min(columns.len()));
+        let (next, after) = ahead.split_at(some.len());
+        some.copy_from_slice(next);
+        rest.fill([f64::NAN; LANES]);
+        (self.groups, self.lane, self.axis) = (after, 0, 0);
     }
 
     #[inline]

@@ -113,14 +113,7 @@ pub trait Coordinates {
     /// Provided, one by one. The points are the same.
     #[inline]
     fn fill_lanes(&mut self, dim: usize, columns: &mut [[f64; LANES]]) {
-        for group in columns.chunks_exact_mut(dim.max(1)) {
-            for l in 0..LANES {
-                self.next_point();
-                for column in &mut *group {
-                    column[l] = self.next_1d();
-                }
-            }
-        }
+        one_by_one(self, dim, columns);
     }
 
     /// How many points to read one by one before [`fill_lanes`](Self::fill_lanes)
@@ -128,6 +121,23 @@ pub trait Coordinates {
     #[inline]
     fn until_lanes(&self) -> usize {
         0
+    }
+}
+
+/// What [`Coordinates::fill_lanes`] does where nothing better is known.
+#[inline]
+pub(crate) fn one_by_one<C: Coordinates + ?Sized>(
+    points: &mut C,
+    dim: usize,
+    columns: &mut [[f64; LANES]],
+) {
+    for group in columns.chunks_exact_mut(dim.max(1)) {
+        for l in 0..LANES {
+            points.next_point();
+            for column in &mut *group {
+                column[l] = points.next_1d();
+            }
+        }
     }
 }
 

@@ -137,6 +137,11 @@ impl Integral {
     /// f(x), D being the dimension.
     #[inline]
     pub fn at<const D: usize>(&self, x: [f64; D]) -> f64 {
+        self.of(&x)
+    }
+
+    /// f(x), for as many coordinates as the dimension.
+    pub fn of(&self, x: &[f64]) -> f64 {
         let terms = || x.iter().zip(&self.a).zip(&U);
         let sum =
             |f: fn(f64, f64, f64) -> f64| terms().map(|((&x, &a), &u)| f(x, a, u)).sum::<f64>();
@@ -147,7 +152,7 @@ impl Integral {
                 let f = |((x, a), u): ((&f64, &f64), &f64)| 1.0 / (a * a) + (x - u) * (x - u);
                 1.0 / terms().map(f).product::<f64>()
             }
-            CornerPeak => (1.0 + sum(|x, a, _| a * x)).powi(-(D as i32 + 1)),
+            CornerPeak => (1.0 + sum(|x, a, _| a * x)).powi(-(x.len() as i32 + 1)),
             Gaussian => (-sum(|x, a, u| (a * (x - u)) * (a * (x - u)))).exp(),
             Continuous => (-sum(|x, a, u| a * (x - u).abs())).exp(),
             Discontinuous if x[0] > U[0] || x[1] > U[1] => 0.0,
@@ -158,7 +163,7 @@ impl Integral {
                 let r2 = t * t + (apart(0.5) - first * first);
                 2.0 * 1013.211_836_429_608_8 * (-100.0 * r2).exp()
             }
-            Ridge => ridge(&x),
+            Ridge => ridge(x),
             TwoPeaks => {
                 0.5 * (100.0 / PI).powi(4)
                     * ((-100.0 * apart(1.0 / 3.0)).exp() + (-100.0 * apart(2.0 / 3.0)).exp())
