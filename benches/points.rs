@@ -1,65 +1,51 @@
-//! What the points of a sampler cost: the sum of their five coordinates, for
-//! every kind of points, in turn in one run; the best of some rounds, since
-//! whatever else the machine does only adds to them.
+//! What the points of a sampler cost: the sum of their five coordinates, for every
+//! kind of points, each beside the textbook's way to make them.
 //!
-//! `cargo bench --bench points` prints the table;
-//! `cargo bench --bench points -- --instructions` adds the instructions that
-//! each point takes, counted by valgrind, which has to be installed.
+//! `cargo bench --bench points` times them;
+//! `cargo bench --bench points -- --instructions` counts the instructions that each
+//! point takes, by valgrind, which has to be installed.
 
 #[path = "support/instructions.rs"]
 mod support;
+#[path = "support/textbook.rs"]
+mod textbook;
 
 use std::hint::black_box;
-use std::time::Instant;
+use std::time::Duration;
 
+use criterion::{Criterion, Throughput};
 use estimand::sampler::{
-    Block, Coordinates, DigitalShift, Halton, Independent, LatinHypercube, Lattice, LinearMatrix,
-    Owen, Sampler, Sobol, Stratified,
+    AdaptiveStrata, Block, Coordinates, DigitalShift, Halton, Independent, IndependentLanes,
+    LatinHypercube, Lattice, LinearMatrix, Owen, Sampler, Sobol, Stratified,
 };
 use support::instructions;
 
 /// As many as a lattice has.
 const POINTS: u64 = 1 << 20;
-const ROUNDS: usize = 15;
 const D: usize = 5;
 
-/// A name, how many million points a second are asked for, and the loop.
-type Row = (&'static str, f64, fn() -> f64);
+/// A name, the loop, and its counterpart: what that is, and its loop.
+type Row = (&'static str, fn() -> f64, &'static str, fn() -> f64);
 
 /// A sampler that is refused costs NaN.
-fn rows() -> [Row; 12] {
-    const ANY: f64 = f64::NAN;
+#[rustfmt::skip]
+fn rows() -> [Row; 14] {
+    const NOT: f64 = f64::NAN;
     [
-        ("independent", ANY, || sum(&Independent::new(7))),
-        ("strata", ANY, || {
-            Stratified::new([16, 16, 16, 16, 16], 1, 7).map_or(ANY, |s| sum(&s))
-        }),
-        ("latin hypercube", ANY, || {
-            LatinHypercube::new(POINTS, D, 7).map_or(ANY, |s| sum(&s))
-        }),
-        ("lattice", ANY, || {
-            Lattice::new(D, 7).map_or(ANY, |s| sum(&s))
-        }),
-        ("… folded", ANY, || {
-            Lattice::new(D, 7).map_or(ANY, |s| sum(&s.baker()))
-        }),
-        ("halton", ANY, || {
-            Halton::unscrambled(D).map_or(ANY, |s| sum(&s))
-        }),
-        ("… permuted", ANY, || {
-            Halton::new(D, 7).map_or(ANY, |s| sum(&s))
-        }),
-        ("… nested", ANY, || {
-            Halton::nested(D, 7).map_or(ANY, |s| sum(&s))
-        }),
-        ("sobol", 40.0, || net(sum)),
-        ("… shifted", 25.0, || {
-            net(|net| sum(&net.scrambled(DigitalShift, 7)))
-        }),
-        ("… linear matrix", 25.0, || {
-            net(|net| sum(&net.scrambled(LinearMatrix, 7)))
-        }),
-        ("… Owen", 10.0, || net(|net| sum(&net.scrambled(Owen, 7)))),
+        ("independent", || sum(&Independent::new(7)), "Pcg64Mcg", textbook::independent),
+        ("independent lanes", || sum(&IndependentLanes::new(7)), "Pcg64Mcg", textbook::independent),
+        ("strata", || Stratified::new([16; D], 1, 7).map_or(NOT, |s| sum(&s)), "strata", textbook::strata),
+        ("adaptive strata", || AdaptiveStrata::new(D, 16_u64.pow(5), 7).map_or(NOT, |s| sum(&s)), "strata", textbook::strata),
+        ("latin hypercube", || LatinHypercube::new(POINTS, D, 7).map_or(NOT, |s| sum(&s)), "shuffled", textbook::latin_hypercube),
+        ("lattice", || Lattice::new(D, 7).map_or(NOT, |s| sum(&s)), "lattice", textbook::lattice),
+        ("lattice, folded", || Lattice::new(D, 7).map_or(NOT, |s| sum(&s.baker())), "lattice", textbook::lattice),
+        ("halton", || Halton::unscrambled(D).map_or(NOT, |s| sum(&s)), "radical inverse", textbook::halton),
+        ("halton, permuted", || Halton::new(D, 7).map_or(NOT, |s| sum(&s)), "radical inverse", textbook::halton),
+        ("halton, nested", || Halton::nested(D, 7).map_or(NOT, |s| sum(&s)), "radical inverse", textbook::halton),
+        ("sobol", || net(sum), "Gray code", textbook::sobol),
+        ("sobol, shifted", || net(|net| sum(&net.scrambled(DigitalShift, 7))), "Gray code", textbook::sobol),
+        ("sobol, linear matrix", || net(|net| sum(&net.scrambled(LinearMatrix, 7))), "Gray code", textbook::sobol),
+        ("sobol, Owen", || net(|net| sum(&net.scrambled(Owen, 7))), "Gray code", textbook::sobol),
     ]
 }
 
@@ -89,31 +75,29 @@ fn main() {
     if let [name] = &words[..]
         && let Some(row) = rows().iter().find(|row| row.0 == name)
     {
-        println!("{}", row.2());
+        println!("{}", row.1());
         return;
     }
-    let count = words.iter().any(|word| word == "--instructions");
-    let mut best = rows().map(|_| f64::INFINITY);
-    for _ in 0..ROUNDS {
-        for ((_, _, f), best) in rows().into_iter().zip(&mut best) {
-            let start = Instant::now();
-            black_box(f());
-            *best = best.min(start.elapsed().as_secs_f64());
+    if words.iter().any(|word| word == "--instructions") {
+        println!("{:<22}instructions a point", "");
+        for (name, ..) in rows() {
+            let count = instructions(&[name]).map(|n| format!("{:.1}", n / POINTS as f64));
+            println!("{name:<22}{:>20}", count.unwrap_or_else(|| "?".into()));
         }
+        return;
     }
-    println!("                 10⁶ points a second   instructions");
-    println!("                    found      asked        a point");
-    for ((name, asked, _), best) in rows().into_iter().zip(best) {
-        print!(
-            "{name:<15}{:>10.1}{asked:>11.0}",
-            POINTS as f64 / best / 1e6
-        );
-        if count {
-            match instructions(&[name]) {
-                Some(n) => print!("{:>15.1}", n / POINTS as f64),
-                None => print!("{:>15}", "?"),
-            }
-        }
-        println!();
+    let mut criterion = Criterion::default()
+        .sample_size(20)
+        .warm_up_time(Duration::from_millis(300))
+        .measurement_time(Duration::from_secs(1))
+        .configure_from_args();
+    for (name, ours, whose, theirs) in rows() {
+        let mut group = criterion.benchmark_group(name);
+        group.throughput(Throughput::Elements(POINTS));
+        group.bench_function("estimand", |b| b.iter(|| black_box(ours())));
+        let whose = format!("by hand: {whose}");
+        group.bench_function(whose, |b| b.iter(|| black_box(theirs())));
+        group.finish();
     }
+    criterion.final_summary();
 }
