@@ -3,7 +3,7 @@
 use crate::estimate::Estimate;
 use crate::estimator::{Estimator, Importance, SliceImportance, TryImportance};
 use crate::integrator::{Automatic, AutomaticEstimate, MonteCarlo, SampleError};
-use crate::pdf::{Interval, Pdf};
+use crate::pdf::{CuboidError, Domain, Interval, Pdf};
 use crate::run::{Finished, RunError, Stop, run};
 use crate::sampler::{Independent, UnitPoint};
 use crate::value::Value;
@@ -20,8 +20,8 @@ pub type AutomaticOutcome<V> =
 /// as they are, through a learned map or on peaks that were searched for, VEGAS+, or
 /// plain Monte Carlo ([`Automatic`]).
 ///
-/// A domain is a [`Pdf`]: a range, which may be infinite, an array or a tuple of
-/// pdfs, or a pdf that has something of the integrand already. The answer is an
+/// A [`Domain`] is a range, which may be infinite, an array or a pair of ranges, or any
+/// [`Pdf`]: one that has something of the integrand already. The answer is an
 /// [`Estimate`], with the method, why it was chosen, and what the others promised
 /// beside it.
 ///
@@ -36,8 +36,8 @@ pub type AutomaticOutcome<V> =
 ///
 /// # Errors
 ///
-/// See [`RunError`]: a value that is NaN or infinite is refused, and so is a domain
-/// of no coordinates or of more than 1,000.
+/// See [`RunError`]: a value that is NaN or infinite is refused, and so are ranges that
+/// are none, and a domain of no coordinates or of more than 1,000.
 ///
 /// # Example
 ///
@@ -45,10 +45,14 @@ pub type AutomaticOutcome<V> =
 /// use estimand::integrator::Method;
 /// use estimand::prelude::*;
 ///
+/// let third = integrate(|x| x * x, 0.0..1.0, &Stop::samples(10_000))?;
+/// assert!((third.answer.mean - 1.0 / 3.0).abs() < 1e-12);
+///
 /// // The volume under a bell over the whole plane, and its height there.
-/// let plane = [Interval::new(f64::NEG_INFINITY, f64::INFINITY)?; 2];
+/// let line = f64::NEG_INFINITY..f64::INFINITY;
 /// let bell = |[x, y]: [f64; 2]| (-x * x - y * y).exp();
-/// let found = integrate(|x| [bell(x), bell(x) * x[0] * x[0]], plane, &Stop::samples(100_000))?;
+/// let moments = |x: [f64; 2]| [bell(x), bell(x) * x[0] * x[0]];
+/// let found = integrate(moments, [line.clone(), line], &Stop::samples(100_000))?;
 /// let e = found.answer;
 /// assert!((e.mean[0] - core::f64::consts::PI).abs() < 1e-7);
 /// assert!((e.mean[1] - core::f64::consts::PI / 2.0).abs() < 1e-7);
@@ -64,13 +68,15 @@ pub type AutomaticOutcome<V> =
 /// assert!((found.answer.mean - (2.0_f64 / 3.0).powi(6)).abs() < 5e-4);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn integrate<P, V, F>(f: F, domain: P, stop: &Stop) -> AutomaticOutcome<V::Wide>
+pub fn integrate<D, V, F>(f: F, domain: D, stop: &Stop) -> AutomaticOutcome<V::Wide>
 where
-    P: Pdf + Sync,
+    D: Domain<Pdf: Sync>,
     V: Value,
-    F: Fn(P::Point) -> V + Sync,
+    F: Fn(<D::Pdf as Pdf>::Point) -> V + Sync,
 {
-    automatic(&Importance::new(f, domain), P::Unit::DIM, stop)
+    let domain = domain.pdf().map_err(RunError::Domain)?;
+    let dimension = <D::Pdf as Pdf>::Unit::DIM;
+    automatic(&Importance::new(f, domain), dimension, stop)
 }
 
 /// [`integrate`] where the dimension is known at run time only: f of a slice, over
@@ -78,7 +84,7 @@ where
 ///
 /// # Errors
 ///
-/// As [`integrate`]: 1 to 1,000 ranges.
+/// As [`integrate`]: 1 to 1,000 ranges, or intervals.
 ///
 /// # Example
 ///
@@ -86,9 +92,7 @@ where
 /// use estimand::integrate_dyn;
 /// use estimand::prelude::*;
 ///
-/// let ranges: Vec<Interval> = (1..=5)
-///     .map(|k| Interval::new(0.0, f64::from(k)))
-///     .collect::<Result<_, _>>()?;
+/// let ranges: Vec<_> = (1..=5).map(|k| 0.0..f64::from(k)).collect();
 /// let found = integrate_dyn(|x| x.iter().sum::<f64>().cos(), &ranges, &Stop::samples(50_000))?;
 /// // The real part of Π ∫₀ᵏ e^(ix) dx = Π 2 sin(k/2) e^(ik/2)
 /// let (product, angle) = (1..=5).map(f64::from).fold((1.0, 0.0), |(product, angle), k| {
@@ -98,12 +102,25 @@ where
 /// assert!((found.answer.mean - exact).abs() < 1e-4);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn integrate_dyn<V, F>(f: F, ranges: &[Interval], stop: &Stop) -> AutomaticOutcome<V::Wide>
+pub fn integrate_dyn<R, V, F>(f: F, ranges: &[R], stop: &Stop) -> AutomaticOutcome<V::Wide>
 where
+    R: Domain<Pdf = Interval> + Clone,
     V: Value,
     F: Fn(&[f64]) -> V + Sync,
 {
-    automatic(&SliceImportance::new(f, ranges), ranges.len(), stop)
+    let ranges: Vec<Interval> = (ranges.iter().cloned().enumerate())
+        .map(|(axis, range)| range.pdf().map_err(|error| on_axis(axis, error)))
+        .collect::<Result<_, _>>()
+        .map_err(RunError::Domain)?;
+    automatic(&SliceImportance::new(f, &ranges), ranges.len(), stop)
+}
+
+/// What is wrong with one range, as one of many.
+const fn on_axis(axis: usize, error: CuboidError) -> CuboidError {
+    match error {
+        CuboidError::Axis { error, .. } => CuboidError::Axis { axis, error },
+        volume @ CuboidError::Volume(_) => volume,
+    }
 }
 
 fn automatic<E, V>(estimator: &E, dimension: usize, stop: &Stop) -> AutomaticOutcome<V>
@@ -133,20 +150,20 @@ where
 ///
 /// let area = monte_carlo(
 ///     |[x, y]| f64::from(x * x + y * y < 1.0),
-///     [Interval::new(-1.0, 1.0)?; 2],
+///     [-1.0..1.0, -1.0..1.0],
 ///     &Stop::samples(100_000),
 /// )?;
 /// let estimate = area.answer;
 /// assert!((estimate.mean - core::f64::consts::PI).abs() < 5.0 * estimate.standard_error);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn monte_carlo<P, V, F>(f: F, domain: P, stop: &Stop) -> Outcome<V::Wide>
+pub fn monte_carlo<D, V, F>(f: F, domain: D, stop: &Stop) -> Outcome<V::Wide>
 where
-    P: Pdf + Sync,
+    D: Domain<Pdf: Sync>,
     V: Value,
-    F: Fn(P::Point) -> V + Sync,
+    F: Fn(<D::Pdf as Pdf>::Point) -> V + Sync,
 {
-    let estimator = Importance::new(f, domain);
+    let estimator = Importance::new(f, domain.pdf().map_err(RunError::Domain)?);
     let mut integrator = MonteCarlo::new(estimator, Independent::new(0));
     run(&mut integrator, &EXECUTOR, stop)
 }
@@ -168,7 +185,7 @@ where
 ///
 /// let failing = try_integrate(
 ///     |x: f64| if x > 0.999 { Err("no data there") } else { Ok(x) },
-///     Interval::unit(),
+///     0.0..1.0,
 ///     &Stop::samples(100_000),
 /// );
 /// match failing {
@@ -179,14 +196,14 @@ where
 ///     _ => unreachable!(),
 /// }
 /// ```
-pub fn try_integrate<P, V, E, F>(f: F, domain: P, stop: &Stop) -> Outcome<V::Wide, E>
+pub fn try_integrate<D, V, E, F>(f: F, domain: D, stop: &Stop) -> Outcome<V::Wide, E>
 where
-    P: Pdf + Sync,
+    D: Domain<Pdf: Sync>,
     V: Value,
     E: Send,
-    F: Fn(P::Point) -> Result<V, E> + Sync,
+    F: Fn(<D::Pdf as Pdf>::Point) -> Result<V, E> + Sync,
 {
-    let estimator = TryImportance::new(f, domain);
+    let estimator = TryImportance::new(f, domain.pdf().map_err(RunError::Domain)?);
     let mut integrator = MonteCarlo::new(estimator, Independent::new(0));
     run(&mut integrator, &EXECUTOR, stop)
 }

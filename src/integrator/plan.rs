@@ -15,6 +15,14 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// Nothing.
+    pub(super) const NONE: Self = Self {
+        index: 0,
+        start: 0,
+        samples: 0,
+        block_len: 0,
+    };
+
     /// `samples` samples after those of `spent`, in blocks whose length is a
     /// multiple of `unit`.
     ///

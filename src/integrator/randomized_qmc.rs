@@ -361,11 +361,11 @@ impl<E: TryEstimator, S: Randomize> RandomizedQmc<E, S> {
     serde(bound = "")
 )]
 pub struct RandomizedQmcPartial<V: Value, E> {
-    first: u64,
-    replicates: Vec<Moments<V>>,
-    tail: Tail<V>,
+    pub(super) first: u64,
+    pub(super) replicates: Vec<Moments<V>>,
+    pub(super) tail: Tail<V>,
     /// Of the last replicate.
-    failure: Option<Failure<V, E>>,
+    pub(super) failure: Option<Failure<V, E>>,
 }
 
 impl<V: Value, E> Merge for RandomizedQmcPartial<V, E> {

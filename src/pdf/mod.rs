@@ -1,7 +1,7 @@
 //! WARP: how the unit cube is spread over a domain.
 //!
-//! A domain *is* a pdf: a closed interval is the uniform density on it. The
-//! doc of each names the measure of its density: length, area, volume, solid
+//! A domain *is* a pdf: a closed interval is the uniform density on it, and bare
+//! ranges stand for one ([`Domain`]). The doc of each names the measure of its density: length, area, volume, solid
 //! angle, projected solid angle, or counting.
 
 mod adaptive_grid;
@@ -14,6 +14,7 @@ mod cuboid;
 mod discrete;
 mod discrete_cdf;
 mod disk;
+mod domain;
 mod exponential;
 mod gauss;
 mod given;
@@ -58,6 +59,7 @@ pub use cuboid::{Cuboid, CuboidError};
 pub use discrete::Discrete;
 pub use discrete_cdf::DiscreteCdf;
 pub use disk::{ConcentricDisk, ConcentricDiskError};
+pub use domain::Domain;
 pub use exponential::{Exponential, ExponentialError};
 pub use grid_error::AdaptiveGridError;
 pub(crate) use grid_error::MOST_CELLS;

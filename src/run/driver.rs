@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use super::{Executor, Pass, Progress, Stop, StopError};
 use crate::integrator::Integrator;
+use crate::pdf::CuboidError;
 
 /// A run that came to its end.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +56,8 @@ pub enum RunError<A, E> {
     Stop(StopError),
     /// There is no method for so many dimensions: none, or more than 1,000.
     Dimension(usize),
+    /// There is no such domain.
+    Domain(CuboidError),
     /// The budget does not pay for the smallest first pass.
     Budget {
         /// What there was.
@@ -86,6 +89,7 @@ impl<A, E: fmt::Display> fmt::Display for RunError<A, E> {
             Self::Dimension(dimension) => {
                 write!(f, "1 to 1000 dimensions, not {dimension}")
             }
+            Self::Domain(error) => error.fmt(f),
             Self::Budget { budget, needed } => write!(
                 f,
                 "a budget of {budget} samples, where the first pass takes {needed}"
@@ -104,6 +108,7 @@ impl<A: fmt::Debug, E: core::error::Error + 'static> core::error::Error for RunE
         match self {
             Self::Sample { error, .. } => Some(&**error),
             Self::Stop(error) => Some(error),
+            Self::Domain(error) => Some(error),
             _ => None,
         }
     }

@@ -1,5 +1,6 @@
 //! An estimator that several integrators share.
 
+use super::faces::{Faces, Stretched};
 use crate::estimator::{Location, TryEstimator};
 use crate::sampler::Coordinates;
 use crate::value::Value;
@@ -7,17 +8,39 @@ use crate::value::Value;
 /// The mean of an estimator's values.
 pub(super) type Wide<E> = <<E as TryEstimator>::Value as Value>::Wide;
 
-/// An estimator by reference, its values in double precision.
+/// An estimator by reference, its values in double precision, its axes stretched
+/// where it grows like a power.
 #[derive(Debug)]
-pub(super) struct By<'a, E>(pub &'a E);
+pub(super) struct By<'a, E> {
+    estimator: &'a E,
+    faces: Faces,
+}
 
-impl<E> Clone for By<'_, E> {
-    fn clone(&self) -> Self {
-        *self
+impl<'a, E> By<'a, E> {
+    pub(super) fn new(estimator: &'a E) -> Self {
+        Self::through(estimator, Faces::default())
+    }
+
+    fn through(estimator: &'a E, faces: Faces) -> Self {
+        Self { estimator, faces }
+    }
+
+    /// The axes that are.
+    pub(super) fn stretched_axes(&self) -> Vec<usize> {
+        self.faces.axes()
+    }
+
+    /// The same behind other faces.
+    pub(super) fn stretched(&self, faces: Faces) -> Self {
+        Self::through(self.estimator, faces)
     }
 }
 
-impl<E> Copy for By<'_, E> {}
+impl<E> Clone for By<'_, E> {
+    fn clone(&self) -> Self {
+        self.stretched(self.faces.clone())
+    }
+}
 
 impl<E: TryEstimator> TryEstimator for By<'_, E> {
     type Value = Wide<E>;
@@ -25,12 +48,20 @@ impl<E: TryEstimator> TryEstimator for By<'_, E> {
 
     #[inline]
     fn try_estimate<C: Coordinates>(&self, u: &mut C) -> Result<Wide<E>, E::Error> {
-        let value = self.0.try_estimate(u)?;
-        Ok(E::Value::wide(value.components()))
+        let mut stretched = Stretched::new(&self.faces, u);
+        let mut value = self.estimator.try_estimate(&mut stretched)?.components();
+        for component in value.as_mut() {
+            *component *= stretched.volume;
+        }
+        Ok(E::Value::wide(value))
+    }
+
+    fn dimension(&self) -> Option<usize> {
+        self.estimator.dimension()
     }
 
     fn locate<C: Coordinates>(&self, u: &mut C) -> Location {
-        self.0.locate(u)
+        self.estimator.locate(&mut Stretched::new(&self.faces, u))
     }
 }
 

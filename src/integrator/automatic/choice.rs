@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use crate::value::Value;
+
 /// A way to spend a budget.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -42,8 +44,8 @@ pub enum Why {
     SmallestError,
     /// A budget too small for a pilot.
     SmallBudget,
-    /// Every value of the pilot was 0: nothing was learned, and points were spread
-    /// evenly. The integrand may be different from 0 where none of them fell.
+    /// Every value of the pilot was 0: nothing was learned, and VEGAS+ began with points
+    /// spread evenly. The integrand may be different from 0 where none of them fell.
     AllZero,
 }
 
@@ -80,19 +82,33 @@ pub struct Choice<W> {
     /// How many evaluations the pilot took that are no part of the answer, and
     /// taught the method that was chosen nothing.
     pub pilot: u64,
+    /// The axes that were stretched towards an end, since the integrand grows there
+    /// like a power.
+    pub stretched: Vec<usize>,
 }
 
-impl<W: fmt::Debug> fmt::Display for Choice<W> {
+impl<W: Value> fmt::Display for Choice<W> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: {}", self.method, self.why)?;
         for (i, promise) in self.promises.iter().enumerate() {
             let before = if i == 0 { " (" } else { ", " };
-            write!(f, "{before}{} ±{:.1?}", promise.method, promise.error)?;
+            write!(f, "{before}{} ±", promise.method)?;
+            match promise.error.components().as_ref() {
+                [error] => write!(f, "{error:.1e}")?,
+                errors => {
+                    for (k, error) in errors.iter().enumerate() {
+                        write!(f, "{}{error:.1e}", if k == 0 { "[" } else { ", " })?;
+                    }
+                    f.write_str("]")?;
+                }
+            }
         }
-        if self.promises.is_empty() {
-            Ok(())
-        } else {
-            f.write_str(")")
+        if !self.promises.is_empty() {
+            f.write_str(")")?;
+        }
+        match &self.stretched[..] {
+            [] => Ok(()),
+            axes => write!(f, "; stretched to where it grows: axes {axes:?}"),
         }
     }
 }

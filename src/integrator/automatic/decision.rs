@@ -6,7 +6,7 @@ use super::by::Wide;
 use super::choice::{Choice, Method, Promise, Why};
 use super::engine::Engine;
 use super::findings::{
-    APART, BEYOND_MAP, BEYOND_STRATA, EFFECTIVE, FAR, FEWEST, MAPPED, MEANT, MET, PEAKED, POLES,
+    APART, BEYOND_MAP, BEYOND_STRATA, CUBATURE, EFFECTIVE, FAR, FEWEST, MEANT, MET, PEAKED, POLES,
     ROUNDS_MORE, SHARP, STRATA, Shares, Stage, TEACH, TEACH_PEAKS, TEACHING, TELLING, UNLIKE,
 };
 use super::promise::layout;
@@ -19,8 +19,11 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
     /// Takes the method that promises the smallest error.
     pub(super) fn decide(&mut self) {
         let mut promises = core::mem::take(&mut self.findings.promises);
-        let strata = promises.iter().find(|p| p.method == Method::Strata);
-        let strata = strata.map_or(f64::INFINITY, |p| self.size(p.error));
+        let size_of = |method: Method| {
+            let promise = promises.iter().find(|p| p.method == method);
+            promise.map_or(f64::INFINITY, |p| self.size(p.error))
+        };
+        let (strata, plain) = (size_of(Method::Strata), size_of(Method::Plain));
         let Shares {
             even,
             mapped,
@@ -28,24 +31,30 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         } = self.findings.shares;
         let most = even.max(mapped).max(peaks);
         // What has few effective points has not met all that those of another have.
-        let met = if self.is_peaked() { 1.0 } else { MET };
+        let peaked = self.is_peaked();
+        let met = if peaked { 1.0 } else { MET };
         let alike = self.is_alike();
+        let settled = self.findings.boxes.as_ref().is_some_and(Boxes::is_settled);
         let unmet = |share: f64| (most / (met * share)).max(1.0).powi(2);
         let of = |p: &Promise<_>| {
             let size = self.size(p.error);
             match p.method {
                 // With many axes, what noise teaches adds up to a density that is far
                 // from even, whose errors few samples show.
-                Method::MappedNet | Method::Strata if mapped < even => f64::INFINITY,
+                // Of few points different from 0, the shares say little.
+                Method::MappedNet | Method::Strata if mapped < even && !peaked => f64::INFINITY,
                 Method::Peaks if peaks < TELLING.max(BEYOND_MAP * mapped) => f64::INFINITY,
                 Method::MappedNet if alike => size * unmet(mapped),
                 // Nets do not see the tails of a map that has learned a jump;
                 // independent points do.
-                Method::MappedNet => (size * MAPPED).max(strata * BEYOND_STRATA) * unmet(mapped),
+                Method::MappedNet => size.max(strata * BEYOND_STRATA) * unmet(mapped),
                 Method::Strata => size * STRATA * unmet(mapped),
                 Method::Peaks => size * unmet(peaks),
-                Method::Net | Method::Plain => size * unmet(even),
-                Method::Cubature => size,
+                // A net is no worse than independent points.
+                Method::Net => size.min(plain) * unmet(even),
+                Method::Plain => size * unmet(even),
+                Method::Cubature if settled => -1.0,
+                Method::Cubature => size * CUBATURE,
             }
         };
         promises.sort_by(|a, b| of(a).total_cmp(&of(b)));
@@ -60,15 +69,15 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         let left = self.findings.budget.saturating_sub(spent);
         let grid = self.findings.grid.take();
         let seed = self.seed_of(Stage::Answer);
-        let plain = Engine::plain(self.estimator, seed);
-        let (points, replicates) = layout(left, self.findings.net);
+        let plain = Engine::plain(self.estimator.clone(), seed);
+        let (points, _) = layout(left, self.findings.net);
         let search = self.findings.search.take();
         let (stage, engine, used, allowance) = match (method, grid, self.findings.boxes.take()) {
             (Method::Peaks, ..) if search.is_some() => {
                 let used = search.as_ref().map_or(0, |search| search.spent());
                 let rest = (left as f64 * (1.0 - TEACH_PEAKS)) as u64;
-                let (points, replicates) = layout(rest, self.findings.peaks);
-                let allowance = left - points * u64::from(replicates);
+                let (points, runs) = layout(rest, self.findings.peaks);
+                let allowance = left - points * runs;
                 self.before -= used;
                 let engine = search.map(|mut search| {
                     search.go_on(allowance, ROUNDS_MORE);
@@ -82,20 +91,25 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
                 (Stage::Answer, Some(Engine::Boxes(boxes)), used, 0)
             }
             (Method::MappedNet, Some(grid), _) => {
-                let (points, replicates) =
-                    layout((left as f64 * (1.0 - TEACH)) as u64, self.findings.mapped);
-                let allowance = left - points * u64::from(replicates);
-                let engine = Engine::strata(self.estimator, grid, seed, TEACHING);
+                let rest = (left as f64 * (1.0 - TEACH)) as u64;
+                let (points, runs) = layout(rest, self.findings.mapped);
+                let allowance = left - points * runs;
+                let engine = Engine::strata(self.estimator.clone(), grid, seed, TEACHING);
                 (Stage::Teach, engine, self.findings.lessons, allowance)
             }
             (Method::Strata, Some(grid), _) => {
                 let learning = Learning::default();
-                let engine = Engine::strata(self.estimator, grid, seed, learning);
+                let engine = Engine::strata(self.estimator.clone(), grid, seed, learning);
                 (Stage::Answer, engine, self.findings.lessons, 0)
             }
             (Method::Plain, ..) => (Stage::Answer, None, 0, 0),
             _ if points < FEWEST => (Stage::Answer, None, 0, 0),
-            _ => (Stage::Answer, self.net(Stage::Answer, replicates), 0, 0),
+            _ => (
+                Stage::Answer,
+                self.net(Stage::Answer, self.findings.net),
+                0,
+                0,
+            ),
         };
         let method = match &engine {
             Some(_) => method,
@@ -107,6 +121,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             why,
             promises: core::mem::take(&mut self.findings.promises),
             pilot: spent - used,
+            stretched: self.estimator.stretched_axes(),
         });
     }
 

@@ -4,6 +4,7 @@ use core::ops::ControlFlow;
 
 use super::boxes::{Boxes, BoxesPartial};
 use super::by::{By, Wide};
+use super::faces::{Probe, Probed};
 use super::mixed::Mixed;
 use super::mixture::Mixture;
 use super::search::{Search, SearchPartial};
@@ -12,9 +13,7 @@ use crate::estimator::{Mapped, TryEstimator};
 use crate::integrator::monte_carlo::MonteCarloPartial;
 use crate::integrator::randomized_qmc::RandomizedQmcPartial;
 use crate::integrator::vegas::SweepPartial;
-use crate::integrator::{
-    Integrator, Learning, MonteCarlo, NonFinite, RandomizedQmc, ReplicateError, SampleError, Vegas,
-};
+use crate::integrator::{Integrator, Learning, LongNet, MonteCarlo, NonFinite, SampleError, Vegas};
 use crate::merge::Merge;
 use crate::pdf::AdaptiveGrid;
 use crate::sampler::{Independent, Owen, Sobol};
@@ -23,12 +22,13 @@ use crate::value::Value;
 /// One integrator of several.
 pub(super) enum Engine<'a, E: TryEstimator> {
     Plain(MonteCarlo<By<'a, E>, Independent>),
-    Net(RandomizedQmc<By<'a, E>, Sobol<Owen>>),
-    Mapped(RandomizedQmc<Mapped<By<'a, E>>, Sobol<Owen>>),
+    Probe(Probe<'a, E>),
+    Net(LongNet<By<'a, E>>),
+    Mapped(LongNet<Mapped<By<'a, E>>>),
     Strata(Box<Vegas<By<'a, E>>>),
     Boxes(Boxes<'a, E>),
     Search(Box<Search<'a, E>>),
-    Mixed(RandomizedQmc<Mixed<'a, E>, Sobol<Owen>>),
+    Mixed(LongNet<Mixed<'a, E>>),
 }
 
 /// What a block of [`Automatic`](super::Automatic) contributes: that of the
@@ -39,6 +39,7 @@ pub struct AutomaticPartial<V: Value, E>(Part<V, E>);
 #[derive(Clone, Debug)]
 enum Part<V: Value, E> {
     Plain(MonteCarloPartial<V, E>),
+    Probe(Probed),
     Points(RandomizedQmcPartial<V, E>),
     Strata(SweepPartial<V, E>),
     Boxes(BoxesPartial<V, E>),
@@ -49,6 +50,7 @@ impl<V: Value, E> Merge for AutomaticPartial<V, E> {
     fn merge(&mut self, right: Self) {
         match (&mut self.0, right.0) {
             (Part::Plain(left), Part::Plain(right)) => left.merge(right),
+            (Part::Probe(left), Part::Probe(right)) => left.merge(right),
             (Part::Points(left), Part::Points(right)) => left.merge(right),
             (Part::Strata(left), Part::Strata(right)) => left.merge(right),
             (Part::Boxes(left), Part::Boxes(right)) => left.merge(right),
@@ -73,11 +75,10 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
         estimator: By<'a, E>,
         dimension: usize,
         seed: u64,
-        replicates: u16,
+        in_parts: bool,
     ) -> Option<Self> {
         let net = Sobol::new(dimension).ok()?.scrambled(Owen, seed);
-        let net = RandomizedQmc::new(estimator, net, replicates).ok()?;
-        Some(Self::Net(net))
+        Some(Self::Net(LongNet::new(estimator, net).in_parts(in_parts)))
     }
 
     /// The same through a grid that stands still.
@@ -85,11 +86,11 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
         estimator: By<'a, E>,
         grid: AdaptiveGrid,
         seed: u64,
-        replicates: u16,
+        in_parts: bool,
     ) -> Option<Self> {
         let net = Sobol::new(grid.dimension()).ok()?.scrambled(Owen, seed);
-        let net = RandomizedQmc::new(Mapped::new(grid, estimator), net, replicates).ok()?;
-        Some(Self::Mapped(net))
+        let net = LongNet::new(Mapped::new(grid, estimator), net);
+        Some(Self::Mapped(net.in_parts(in_parts)))
     }
 
     /// Points from a mixture that stands still.
@@ -97,15 +98,12 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
         estimator: By<'a, E>,
         mixture: Mixture,
         seed: u64,
-        replicates: u16,
+        in_parts: bool,
     ) -> Option<Self> {
-        let net = Sobol::new(mixture.dimension() + 1)
-            .ok()?
-            .scrambled(Owen, seed);
-        let mixed = Mixed { estimator, mixture };
-        Some(Self::Mixed(
-            RandomizedQmc::new(mixed, net, replicates).ok()?,
-        ))
+        let dimension = mixture.dimension() + 1;
+        let net = Sobol::new(dimension).ok()?.scrambled(Owen, seed);
+        let net = LongNet::new(Mixed { estimator, mixture }, net);
+        Some(Self::Mixed(net.in_parts(in_parts)))
     }
 
     pub(super) fn strata(
@@ -121,6 +119,7 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
     pub(super) fn on_non_finite(self, policy: NonFinite) -> Self {
         match self {
             Self::Plain(engine) => Self::Plain(engine.on_non_finite(policy)),
+            Self::Probe(engine) => Self::Probe(engine),
             Self::Net(engine) => Self::Net(engine.on_non_finite(policy)),
             Self::Mapped(engine) => Self::Mapped(engine.on_non_finite(policy)),
             Self::Strata(engine) => Self::Strata(Box::new(engine.on_non_finite(policy))),
@@ -133,6 +132,7 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
     pub(super) fn spent(&self) -> u64 {
         match self {
             Self::Plain(engine) => engine.spent(),
+            Self::Probe(engine) => engine.spent(),
             Self::Net(engine) => engine.spent(),
             Self::Mapped(engine) => engine.spent(),
             Self::Strata(engine) => engine.spent(),
@@ -145,6 +145,7 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
     pub(super) fn smallest_pass(&self) -> u64 {
         match self {
             Self::Plain(engine) => engine.smallest_pass(),
+            Self::Probe(engine) => engine.smallest_pass(),
             Self::Net(engine) => engine.smallest_pass(),
             Self::Mapped(engine) => engine.smallest_pass(),
             Self::Strata(engine) => engine.smallest_pass(),
@@ -157,6 +158,7 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
     pub(super) fn plan(&mut self, budget: u64) -> u64 {
         match self {
             Self::Plain(engine) => engine.plan(budget),
+            Self::Probe(engine) => engine.plan(budget),
             Self::Net(engine) => engine.plan(budget),
             Self::Mapped(engine) => engine.plan(budget),
             Self::Strata(engine) => engine.plan(budget),
@@ -169,6 +171,7 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
     pub(super) fn block(&self, index: u64) -> Flow<E> {
         match self {
             Self::Plain(engine) => wrap(engine.block(index), Part::Plain),
+            Self::Probe(engine) => wrap(engine.block(index), Part::Probe),
             Self::Net(engine) => wrap(engine.block(index), Part::Points),
             Self::Mapped(engine) => wrap(engine.block(index), Part::Points),
             Self::Strata(engine) => wrap(engine.block(index), Part::Strata),
@@ -179,19 +182,16 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
     }
 
     pub(super) fn absorb(&mut self, pass: Partial<E>, blocks: u64) -> Result<(), Failed<E>> {
-        let of_replicate = |e: ReplicateError<_, _>| e.error;
         match (self, pass.0) {
             (Self::Plain(engine), Part::Plain(pass)) => engine.absorb(pass, blocks),
-            (Self::Net(engine), Part::Points(pass)) => {
-                engine.absorb(pass, blocks).map_err(of_replicate)
+            (Self::Probe(engine), Part::Probe(pass)) => {
+                engine.absorb(pass);
+                Ok(())
             }
-            (Self::Mapped(engine), Part::Points(pass)) => {
-                engine.absorb(pass, blocks).map_err(of_replicate)
-            }
+            (Self::Net(engine), Part::Points(pass)) => engine.absorb(pass, blocks),
+            (Self::Mapped(engine), Part::Points(pass)) => engine.absorb(pass, blocks),
             (Self::Strata(engine), Part::Strata(pass)) => engine.absorb(pass, blocks),
-            (Self::Mixed(engine), Part::Points(pass)) => {
-                engine.absorb(pass, blocks).map_err(of_replicate)
-            }
+            (Self::Mixed(engine), Part::Points(pass)) => engine.absorb(pass, blocks),
             (Self::Boxes(engine), Part::Boxes(pass)) => engine.absorb(pass),
             (Self::Search(engine), Part::Search(pass)) => engine.absorb(pass, blocks),
             _ => Ok(()),
@@ -201,6 +201,7 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
     pub(super) fn meets(&self, tolerance: &Tolerance) -> bool {
         match self {
             Self::Plain(engine) => engine.meets(tolerance),
+            Self::Probe(_) => false,
             Self::Net(engine) => engine.meets(tolerance),
             Self::Mapped(engine) => engine.meets(tolerance),
             Self::Strata(engine) => engine.meets(tolerance),
@@ -214,6 +215,7 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
     pub(super) fn answer(&self, moments: &Moments<Wide<E>>) -> Option<Estimate<Wide<E>>> {
         match self {
             Self::Plain(engine) => engine.answer(),
+            Self::Probe(_) => None,
             Self::Net(engine) => engine.answer(),
             Self::Mapped(engine) => engine.answer(),
             Self::Strata(engine) => engine.answer(),

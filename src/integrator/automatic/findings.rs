@@ -3,6 +3,7 @@
 use super::boxes::Boxes;
 use super::by::Wide;
 use super::choice::Promise;
+use super::promise::Prior;
 use super::search::Search;
 use crate::estimate::{Estimate, Moments};
 use crate::estimator::TryEstimator;
@@ -14,6 +15,8 @@ use crate::pdf::AdaptiveGrid;
 pub(super) enum Stage {
     /// There are none yet.
     Begin,
+    /// How an integrand grows towards the faces.
+    Faces,
     /// Nets, as they are.
     Look,
     /// Cubature.
@@ -53,11 +56,13 @@ pub(super) struct Findings<'a, E: TryEstimator> {
     /// Of the nets as they are.
     pub(super) look: Option<Estimate<Wide<E>>>,
     pub(super) moments: Moments<Wide<E>>,
-    /// The fewest replicates of nets, and of nets through the map.
-    pub(super) net: u16,
-    pub(super) mapped: u16,
-    pub(super) peaks: u16,
-    /// Errors of the net at hand, after so many points of each replicate.
+    /// Whether nets, nets through the map, and those on peaks go in parts.
+    pub(super) net: bool,
+    pub(super) mapped: bool,
+    pub(super) peaks: bool,
+    /// The exponent by which the error of nets as they are falls.
+    pub(super) rate: f64,
+    /// Errors of the net at hand, after so many points of each run.
     pub(super) history: Vec<(u64, f64)>,
     pub(super) boxes: Option<Boxes<'a, E>>,
     /// Whether cubature has had a second look.
@@ -80,9 +85,10 @@ impl<E: TryEstimator> Default for Findings<'_, E> {
             allowance: 0,
             look: None,
             moments: Moments::new(),
-            net: REPLICATES,
-            mapped: REPLICATES,
-            peaks: REPLICATES,
+            net: false,
+            mapped: false,
+            peaks: false,
+            rate: Prior::USUAL.rate,
             history: Vec::new(),
             boxes: None,
             deeper: false,
@@ -100,6 +106,8 @@ impl<E: TryEstimator> Default for Findings<'_, E> {
 pub(super) const SMALL: u64 = 4096;
 /// Nets have at least so many points.
 pub(super) const FEWEST: u64 = 32;
+/// What looking for powers takes of the pilot at most.
+pub(super) const FACES: f64 = 0.1;
 /// The budget that a pilot is for where there is no limit.
 pub(super) const UNLIMITED: u64 = 1 << 17;
 /// A pilot takes this share of a budget, or this and so many more, at most so many.
@@ -107,8 +115,6 @@ pub(super) const MOST_SHARE: f64 = 0.09;
 pub(super) const SHARE: f64 = 0.02;
 pub(super) const BASE: f64 = 7000.0;
 pub(super) const MOST_PILOT: u64 = 1 << 17;
-/// Randomisations of the nets of a pilot.
-pub(super) const REPLICATES: u16 = 8;
 /// What the stages of the pilot take of it; nets through the map take what is left.
 pub(super) const LOOK: f64 = 0.25;
 pub(super) const BOXES: f64 = 0.25;
@@ -146,10 +152,11 @@ pub(super) const TEACHING: Learning = Learning {
 pub(super) const TEACH: f64 = 0.2;
 /// The exponent by which the error of VEGAS+ is taken to fall.
 pub(super) const STRATA_RATE: f64 = 0.6;
-/// What is not known of a method when it promises: its errors are taken for so many
-/// times larger, those of nets through a map where values behind it are not all alike.
-pub(super) const MAPPED: f64 = 2.0;
-pub(super) const STRATA: f64 = 1.2;
+/// Nets through the grid that VEGAS+ has learned do better, unless they promise an error
+/// so many times larger.
+pub(super) const STRATA: f64 = 10.0;
+/// Its boxes promise more error than comes of it, by so much more than nets do.
+pub(super) const CUBATURE: f64 = 0.3;
 /// The square of how many standard errors a mean to speak of is away from 0.
 pub(super) const MEANT: f64 = 10.0;
 /// A method has met all there is if its share of effective samples is not more than so
@@ -165,7 +172,7 @@ pub(super) const UNLIKE: f64 = 0.02;
 /// Two estimates so many standard errors apart disagree.
 pub(super) const APART: f64 = 5.0;
 /// Nets through a map are not taken to be better than so much of VEGAS+.
-pub(super) const BEYOND_STRATA: f64 = 0.2;
+pub(super) const BEYOND_STRATA: f64 = 0.02;
 /// Cubature's promise has to be so many times better than that of nets to end the
 /// pilot early.
 pub(super) const CLEARLY: f64 = 100.0;

@@ -6,6 +6,7 @@ mod by;
 mod choice;
 mod decision;
 mod engine;
+mod faces;
 mod findings;
 mod fit;
 mod mixed;
@@ -43,8 +44,12 @@ use findings::{Findings, Stage};
 /// | scrambled nets | most else |
 /// | nets through a learned map | peaks, poles, kinks along the axes |
 /// | nets on peaks that were searched for | narrow peaks, ridges |
-/// | VEGAS+ | what nets do not help with |
+/// | VEGAS+ | what the pilot has found nothing of |
 /// | plain Monte Carlo | budgets too small for anything else |
+///
+/// Where the integrand grows like a power towards a face of the cube (f ∝ x^−a, at
+/// either end of any axis, infinite ranges included), the axis is stretched first
+/// (x = v^1/(1−a)), so that what any method meets is finite there.
 ///
 /// The [`Choice`] in the answer says what each would have come to, as far as the
 /// pilot can tell. Asked to go on, it goes on with the method that it has chosen.
@@ -110,9 +115,9 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         if !(1..=MOST_DIMENSIONS).contains(&dimension) {
             return Err(AutomaticError::Dimension(dimension));
         }
-        let estimator = By(estimator);
+        let estimator = By::new(estimator);
         Ok(Self {
-            engine: Engine::plain(estimator, seed),
+            engine: Engine::plain(estimator.clone(), seed),
             estimator,
             dimension,
             seed,

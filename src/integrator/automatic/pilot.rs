@@ -5,15 +5,17 @@ use super::boxes::Boxes;
 use super::by::Wide;
 use super::choice::{Method, Promise, Why};
 use super::engine::Engine;
+use super::faces::Probe;
 use super::findings::{
-    BASE, BOXES, CLEARLY, FEW, LEARN, LOOK, MANY, MOST_PILOT, MOST_SHARE, PILOT_LESSONS, PLAUSIBLE,
-    REPLICATES, ROUNDS, SHARE, SMALL, SMALL_DIMENSION, STRATA_RATE, Shares, Stage, TEACH,
+    BASE, BOXES, CLEARLY, FACES, FEW, LEARN, LOOK, MANY, MOST_PILOT, MOST_SHARE, PILOT_LESSONS,
+    PLAUSIBLE, ROUNDS, SHARE, SMALL, SMALL_DIMENSION, STRATA_RATE, Shares, Stage, TEACH,
     TEACH_PEAKS, UNLIMITED,
 };
 use super::mixture::MOST_AXES;
-use super::promise::{fewest, layout, rate, size, times};
+use super::promise::{Prior, goes_in_parts, layout, rate, size, times};
 use super::search::Search;
 use crate::estimator::TryEstimator;
+use crate::integrator::long_net::RUNS;
 use crate::integrator::{Integrator, Learning};
 use crate::pdf::AdaptiveGrid;
 use crate::quadrature::Degree;
@@ -72,13 +74,14 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
     pub(super) fn advance(&mut self, left: u64) {
         match self.stage {
             Stage::Begin => self.begin(left),
+            Stage::Faces => self.after_faces(),
             Stage::Look => self.after_look(),
             Stage::Boxes => self.after_boxes(),
             Stage::Learn => self.after_learning(),
             Stage::Search => self.after_search(),
             Stage::Try => self.after_trying(),
             Stage::TryPeaks => self.after_peaks(),
-            Stage::Teach => self.after_teaching(left),
+            Stage::Teach => self.after_teaching(),
             Stage::Answer => {}
         }
     }
@@ -103,12 +106,12 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         Independent::new(self.seed).randomize(stage as u64).seed()
     }
 
-    pub(super) fn net(&self, stage: Stage, replicates: u16) -> Option<Engine<'a, E>> {
+    pub(super) fn net(&self, stage: Stage, in_parts: bool) -> Option<Engine<'a, E>> {
         Engine::net(
-            self.estimator,
+            self.estimator.clone(),
             self.dimension,
             self.seed_of(stage),
-            replicates,
+            in_parts,
         )
     }
 
@@ -120,10 +123,20 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         if budget < SMALL {
             return self.choose(Method::Net, Why::SmallBudget);
         }
-        let (points, _) = layout((self.findings.pilot as f64 * LOOK) as u64, REPLICATES);
-        match self.net(Stage::Look, REPLICATES) {
+        let seed = self.seed_of(Stage::Faces);
+        let probe = Probe::new(self.estimator.clone(), self.dimension, seed);
+        let allowance = (self.findings.pilot as f64 * FACES) as u64;
+        self.go(Stage::Faces, Engine::Probe(probe), allowance);
+    }
+
+    fn after_faces(&mut self) {
+        if let Engine::Probe(probe) = &self.engine {
+            self.estimator = self.estimator.stretched(probe.faces());
+        }
+        let (points, runs) = layout((self.findings.pilot as f64 * LOOK) as u64, false);
+        match self.net(Stage::Look, false) {
             Some(net) => {
-                self.go(Stage::Look, net, points * u64::from(REPLICATES));
+                self.go(Stage::Look, net, points * runs);
             }
             None => self.choose(Method::Plain, Why::SmallBudget),
         }
@@ -138,10 +151,10 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         self.findings.promises.push(Promise { method, error });
     }
 
-    /// R̂ replicates of n̂ points from R of n:
+    /// What one net of N̂ points would come to, from the bar of R runs of n:
     ///
     /// ```text
-    /// σ̂ = σ √(R/R̂) (n/n̂)^rate
+    /// σ̂ = √R σ (n/N̂)^rate
     /// ```
     fn promise_of_net(&mut self, method: Method) {
         let (points, estimate) = match &self.engine {
@@ -156,15 +169,20 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             Method::Peaks => (self.rest() as f64 * (1.0 - TEACH_PEAKS)) as u64,
             _ => self.rest(),
         };
-        let rate = rate(&self.findings.history, f64::from(REPLICATES));
-        let (then, replicates) = layout(rest, fewest(rate));
+        let known = match method {
+            Method::Net if self.is_peaked() => Prior::PEAKED,
+            Method::MappedNet if !self.is_peaked() => Prior::like(self.findings.rate),
+            _ => Prior::USUAL,
+        };
+        let rate = rate(&self.findings.history, known);
+        let in_parts = goes_in_parts(rate);
         match method {
-            Method::MappedNet => self.findings.mapped = fewest(rate),
-            Method::Peaks => self.findings.peaks = fewest(rate),
-            _ => self.findings.net = fewest(rate),
+            Method::MappedNet => self.findings.mapped = in_parts,
+            Method::Peaks => self.findings.peaks = in_parts,
+            _ => (self.findings.net, self.findings.rate) = (in_parts, rate),
         }
-        let fewer = f64::from(REPLICATES) / f64::from(replicates);
-        let factor = fewer.sqrt() * (points as f64 / then as f64).powf(rate);
+        let (then, runs) = layout(rest, in_parts);
+        let factor = (RUNS as f64).sqrt() * (points as f64 / (then * runs) as f64).powf(rate);
         self.promise(method, times(estimate.standard_error, factor));
     }
 
@@ -184,7 +202,8 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             .iter()
             .all(|x| *x == 0.0)
         {
-            return self.choose(Method::Net, Why::AllZero);
+            self.findings.grid = AdaptiveGrid::new(self.dimension, 1).ok();
+            return self.choose(Method::Strata, Why::AllZero);
         }
         let allowance = (self.findings.pilot as f64 * BOXES) as u64;
         if !self.is_telling() && self.dimension > SMALL_DIMENSION {
@@ -192,7 +211,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         }
         let degrees = [(Degree::Nine, MANY), (Degree::Seven, FEW)];
         let boxes = degrees.into_iter().find_map(|(degree, fewest)| {
-            let boxes = Boxes::new(self.estimator, self.dimension, degree)?;
+            let boxes = Boxes::new(self.estimator.clone(), self.dimension, degree)?;
             let cost = boxes.smallest_pass();
             (cost <= allowance && cost * fewest <= self.findings.budget).then_some(boxes)
         });
@@ -216,12 +235,12 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         let seed = self.seed_of(Stage::Search);
         let scales = self.scales();
         let budget = (allowance, ROUNDS);
-        let search = Search::new(self.estimator, self.dimension, seed, scales, budget);
+        let search = Search::new(self.estimator.clone(), self.dimension, seed, scales, budget);
         self.go(Stage::Search, Engine::Search(Box::new(search)), allowance);
     }
 
     fn after_search(&mut self) {
-        let idle = Engine::plain(self.estimator, self.seed);
+        let idle = Engine::plain(self.estimator.clone(), self.seed);
         if let Engine::Search(search) = self.go(Stage::Search, idle, 0)
             && !search.mixture().parts().is_empty()
         {
@@ -243,9 +262,9 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         let mixture = search.mixture().clone();
         let points = self.points_left();
         let seed = self.seed_of(Stage::TryPeaks);
-        match Engine::mixed(self.estimator, mixture, seed, REPLICATES) {
+        match Engine::mixed(self.estimator.clone(), mixture, seed, false) {
             Some(engine) => {
-                self.go(Stage::TryPeaks, engine, points * u64::from(REPLICATES));
+                self.go(Stage::TryPeaks, engine, points * RUNS);
             }
             None => self.decide(),
         }
@@ -265,14 +284,14 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         self.decide();
     }
 
-    /// How many points of each replicate the pilot still pays for.
+    /// How many points of each run the pilot still pays for.
     fn points_left(&self) -> u64 {
         let spent = self.before + self.engine.spent();
-        layout(self.findings.pilot.saturating_sub(spent), REPLICATES).0
+        layout(self.findings.pilot.saturating_sub(spent), false).0
     }
 
     fn after_boxes(&mut self) {
-        let idle = Engine::plain(self.estimator, self.seed);
+        let idle = Engine::plain(self.estimator.clone(), self.seed);
         let Engine::Boxes(boxes) = self.go(Stage::Boxes, idle, 0) else {
             return self.search();
         };
@@ -309,7 +328,9 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         let allowance = ((self.findings.pilot as f64 * LEARN) as u64).min(left * 6 / 10);
         let seed = self.seed_of(Stage::Learn);
         let grid = AdaptiveGrid::new(self.dimension, 1).ok();
-        match grid.and_then(|grid| Engine::strata(self.estimator, grid, seed, PILOT_LESSONS)) {
+        match grid
+            .and_then(|grid| Engine::strata(self.estimator.clone(), grid, seed, PILOT_LESSONS))
+        {
             Some(engine) => {
                 self.go(Stage::Learn, engine, allowance);
             }
@@ -337,27 +358,25 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         }
         let seed = self.seed_of(Stage::Try);
         self.findings.grid = Some(grid.clone());
-        match Engine::mapped(self.estimator, grid, seed, REPLICATES) {
+        match Engine::mapped(self.estimator.clone(), grid, seed, false) {
             Some(engine) => {
-                self.go(Stage::Try, engine, points * u64::from(REPLICATES));
+                self.go(Stage::Try, engine, points * RUNS);
             }
             None => self.decide(),
         }
     }
 
-    fn after_teaching(&mut self, left: u64) {
-        let spent = self.before + self.engine.spent();
-        let left = left.min(self.findings.budget.saturating_sub(spent));
+    fn after_teaching(&mut self) {
         let seed = self.seed_of(Stage::Begin);
         self.stage = Stage::Answer;
         let engine = match &self.engine {
             Engine::Strata(vegas) => {
-                let (_, replicates) = layout(left, self.findings.mapped);
-                Engine::mapped(self.estimator, vegas.grid().clone(), seed, replicates)
+                let grid = vegas.grid().clone();
+                Engine::mapped(self.estimator.clone(), grid, seed, self.findings.mapped)
             }
             Engine::Search(search) => {
-                let (_, replicates) = layout(left, self.findings.peaks);
-                Engine::mixed(self.estimator, search.mixture().clone(), seed, replicates)
+                let mixture = search.mixture().clone();
+                Engine::mixed(self.estimator.clone(), mixture, seed, self.findings.peaks)
             }
             _ => None,
         };
