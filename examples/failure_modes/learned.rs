@@ -328,7 +328,7 @@ fn jump() -> Outcome<Entry> {
               has an f/p that is larger by far",
         claims: Naive::Undercovers,
         naive: Some(naive),
-        verdict: Verdict::Sometimes,
+        verdict: Verdict::WhereWrong,
         ours,
         instead: "a p with an edge at the jump; where nobody knows it, plain Monte Carlo or a net",
         remedy: Some(remedy),

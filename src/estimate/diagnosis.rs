@@ -99,6 +99,14 @@ pub enum Symptom {
         /// Its part of Σ (f/p − ⟨I⟩)², or Σ (y − y′)².
         share: f64,
     },
+    /// Two neighbouring strata differ as if the integrand jumped, and samples within
+    /// neither of them did: so much as this may be missing from the error bar, which is
+    /// made of what varies within strata.
+    UnseenJump {
+        /// The variance that a jump has whose place in one of them is not known, over
+        /// that of the answer.
+        share: f64,
+    },
     /// The error bar rests on few values, or few strata.
     FewCarry {
         /// On how many, effectively: M₂²/M₄, or the degrees of freedom.
@@ -262,6 +270,11 @@ impl Estimate<f64> {
             largest >= LARGEST_SHARE,
             Symptom::Dominated { share: largest },
         );
+        let [share] = evidence.jump_share;
+        doubt(
+            share >= LARGEST_SHARE && share > largest,
+            Symptom::UnseenJump { share },
+        );
         let independent = self.error_source == ErrorSource::Independent;
         if independent && samples >= SAMPLES {
             let n = samples as f64;
@@ -405,6 +418,12 @@ impl fmt::Display for Symptom {
             Self::Dominated { share } => write!(
                 f,
                 "one sample is {:.0} % of the variance: sample more where |f|/p is large",
+                100.0 * share
+            ),
+            Self::UnseenJump { share } => write!(
+                f,
+                "neighbouring strata differ as if the integrand jumped where no sample saw it, \
+                 which may be {:.0} % of the variance: take a pdf with an edge there",
                 100.0 * share
             ),
             Self::FewCarry { effective } => write!(

@@ -26,6 +26,9 @@ pub struct Evidence<V: Value> {
     /// That of the largest |x| alone.
     #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     pub(super) largest_share: V::Components,
+    /// What part of the variance a jump between strata may have that no sample saw.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
+    pub(super) jump_share: V::Components,
     /// Q, the probability that parts of the run differ by more.
     #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
     pub(super) agreement: V::Components,
@@ -53,6 +56,7 @@ impl<V: Value> Default for Evidence<V> {
             shape_error: V::Components::ZERO,
             tail_share: V::Components::ZERO,
             largest_share: V::Components::ZERO,
+            jump_share: V::Components::ZERO,
             agreement: filled(1.0),
             growth: V::Components::ZERO,
             lesson: f64::INFINITY,
@@ -76,19 +80,14 @@ impl<V: Value> Evidence<V> {
         evidence
     }
 
-    /// What the largest differences within strata say, of which the squares have this
-    /// mean, and what the largest between neighbours is worth in their units.
-    pub(crate) fn of_differences(
-        tail: &Tail<V::Wide>,
-        squares: &V::Components,
-        steps: &V::Components,
-    ) -> Self {
+    /// What the largest differences within strata say, of which the squares have these
+    /// means.
+    pub(crate) fn of_differences(tail: &Tail<V::Wide>, squares: impl Fn(usize) -> f64) -> Self {
         let mut evidence = Self::default();
-        for (k, square) in squares.as_ref().iter().enumerate() {
-            let sum = square * tail.seen() as f64;
+        for k in 0..V::Components::COUNT {
+            let sum = squares(k) * tail.seen() as f64;
             evidence.set_tail(k, tail, 0.0, sum);
-            let largest = tail.largest(k);
-            let largest = largest.first().map_or(0.0, |d| d.max(steps.as_ref()[k]));
+            let largest = tail.largest(k).first().copied().unwrap_or_default();
             evidence.largest_share.as_mut()[k] = share(&[largest], 0.0, sum);
         }
         evidence
@@ -142,6 +141,15 @@ impl<V: Value> Evidence<V> {
         self
     }
 
+    /// The same, where a jump that no sample saw may be this part of the variance.
+    pub(crate) fn with_jumps(mut self, share: impl Fn(usize) -> f64) -> Self {
+        for (k, jump) in self.jump_share.as_mut().iter_mut().enumerate() {
+            let share = share(k);
+            *jump = if share.is_nan() { 0.0 } else { share };
+        }
+        self
+    }
+
     /// The same, of a map that learned from so many effective samples.
     pub(crate) const fn with_lesson(mut self, effective: f64) -> Self {
         self.lesson = effective;
@@ -155,6 +163,7 @@ impl<V: Value> Evidence<V> {
             shape_error: self.shape_error,
             tail_share: self.tail_share,
             largest_share: self.largest_share,
+            jump_share: self.jump_share,
             agreement: self.agreement,
             growth: self.growth,
             lesson: self.lesson,
@@ -169,6 +178,7 @@ impl<V: Value> Evidence<V> {
             shape_error: of(&self.shape_error),
             tail_share: of(&self.tail_share),
             largest_share: of(&self.largest_share),
+            jump_share: of(&self.jump_share),
             agreement: of(&self.agreement),
             growth: of(&self.growth),
             lesson: self.lesson,

@@ -85,25 +85,30 @@ impl<V: Value> Moments<V> {
     #[inline]
     pub fn push_all(&mut self, values: &[V]) {
         for mut slice in values.chunks(128) {
-            while let Some(index) = self.push_while_finite(slice) {
+            while let Err(index) = self.push_while_finite(slice) {
                 self.non_finite += 1;
                 slice = &slice[index + 1..];
             }
         }
     }
 
-    /// Adds the values before the first that is not finite, and says which
-    /// that is.
+    /// Adds values and returns the largest magnitude among them, by component; if one
+    /// is not finite, adds those before it and says which it is.
     #[inline]
-    pub(crate) fn push_while_finite(&mut self, values: &[V]) -> Option<usize> {
-        let first = values.first()?;
+    pub(crate) fn push_while_finite(&mut self, values: &[V]) -> Result<V::Components, usize> {
+        let Some(first) = values.first() else {
+            return Ok(V::Components::ZERO);
+        };
         let origin = self.origin(first);
         let sums = Sums::of(values, origin);
         if sums.are_finite() {
             self.absorb(values.len() as u64, origin, &sums);
-            return None;
+            return Ok(sums.largest);
         }
-        self.push_each_while_finite(values)
+        match self.push_each_while_finite(values) {
+            None => Ok(self.largest),
+            Some(index) => Err(index),
+        }
     }
 
     /// The slow way, for a slice in which something is not finite, or whose sum
@@ -283,17 +288,14 @@ impl<V: Value> Moments<V> {
         self.second.as_ref()[0].as_ref()[0]
     }
 
-    /// Whether the largest magnitude of a component does so.
-    #[inline]
-    pub(super) fn largest_exceeds(&self, floor: &V::Components) -> bool {
-        let largest = self.largest.as_ref().iter().zip(floor.as_ref());
-        largest.fold(false, |any, (largest, floor)| any | (largest > floor))
-    }
-
     /// max |x|: the largest weight f/p.
     #[must_use]
     pub fn largest(&self) -> V::Wide {
         V::wide(self.largest)
+    }
+
+    pub(crate) const fn largest_components(&self) -> &V::Components {
+        &self.largest
     }
 }
 

@@ -2,7 +2,6 @@
 
 use core::marker::PhantomData;
 
-use super::Moments;
 use crate::merge::Merge;
 use crate::value::{Components, Value};
 
@@ -74,22 +73,20 @@ impl<V: Value> Tail<V> {
     /// Of nothing, for values that are to be merged into these: what cannot be among
     /// the largest of both is not kept in the first place.
     pub(crate) const fn continued(&self) -> Self {
-        Self {
-            kept: Vec::new(),
-            floor: self.floor,
-            seen: 0,
-            most: KEPT,
-            value: PhantomData,
-        }
+        self.continued_by_few(KEPT)
     }
 
     /// The same, of which only the `most` largest of each component are kept: for one
     /// of many parts. What is smaller than those of some part is passed over in all,
     /// so that the rest are the largest of the whole, if not always 256.
     pub(crate) const fn continued_by_few(&self, most: usize) -> Self {
-        let mut part = self.continued();
-        part.most = most;
-        part
+        Self {
+            kept: Vec::new(),
+            floor: self.floor,
+            seen: 0,
+            most,
+            value: PhantomData,
+        }
     }
 
     /// Adds a slice of values.
@@ -101,19 +98,32 @@ impl<V: Value> Tail<V> {
         }
     }
 
-    /// Adds a slice of values that are the last of those that have these moments:
-    /// while none of all is large, there is nothing to look for.
+    /// Adds a slice of values none of which is larger than `largest`.
     #[inline]
-    pub(crate) fn push_last_of(&mut self, moments: &Moments<V>, values: &[V]) {
-        if moments.largest_exceeds(&self.floor) {
-            self.push_all(values);
-        } else {
+    pub(crate) fn push_up_to(&mut self, largest: &V::Components, values: &[V]) {
+        if self.admits(largest) {
             self.seen += values.len() as u64;
+            self.insert(values);
+        } else {
+            self.pass_over(values.len());
         }
     }
 
+    /// Whether any component is larger than its floor.
+    #[inline]
+    pub(crate) fn admits(&self, largest: &V::Components) -> bool {
+        let largest = largest.as_ref().iter().zip(self.floor.as_ref());
+        largest.fold(false, |any, (largest, floor)| any | (largest > floor))
+    }
+
+    /// Adds so many values that are not.
+    #[inline]
+    pub(crate) const fn pass_over(&mut self, count: usize) {
+        self.seen += count as u64;
+    }
+
     /// How many values were added.
-    pub(super) const fn seen(&self) -> u64 {
+    pub(crate) const fn seen(&self) -> u64 {
         self.seen
     }
 

@@ -231,8 +231,8 @@ where
             block,
             self.non_finite,
             &mut moments,
-            |moments, slice| {
-                tail.push_last_of(moments, slice);
+            |largest, slice| {
+                tail.push_up_to(largest, slice);
                 for primary in slice {
                     folds[(sample % FOLDS as u64) as usize].push(primary);
                     sample += 1;

@@ -235,7 +235,7 @@ impl<E: TryEstimator> Integrator for LongNet<E> {
             block,
             self.non_finite,
             &mut moments,
-            |moments, slice| tail.push_last_of(moments, slice),
+            |largest, slice| tail.push_up_to(largest, slice),
         )
         .err();
         let ended = failure.is_some();

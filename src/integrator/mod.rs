@@ -5,6 +5,7 @@ mod bounded_monte_carlo;
 mod controlled_estimate;
 mod controlled_monte_carlo;
 mod histogram_monte_carlo;
+mod jumps;
 mod long_net;
 mod median;
 mod monte_carlo;
@@ -16,8 +17,10 @@ mod regression;
 mod resumable;
 mod sample_block;
 mod sample_error;
+mod steps;
 mod strata;
 mod stratified_monte_carlo;
+mod sweeps;
 mod vegas;
 
 pub use crate::estimate::Consistency;

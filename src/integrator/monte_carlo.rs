@@ -113,8 +113,8 @@ impl<E: TryEstimator, S: Iid> MonteCarlo<E, S> {
             self.plan.block(index),
             self.non_finite,
             &mut moments,
-            |moments, slice| {
-                tail.push_last_of(moments, slice);
+            |largest, slice| {
+                tail.push_up_to(largest, slice);
                 see(slice);
             },
         )

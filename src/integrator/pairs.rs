@@ -1,7 +1,7 @@
 //! The largest differences within strata.
 
+use super::steps::Steps;
 use crate::estimate::Tail;
-use crate::merge::Merge;
 use crate::sampler::Stratified;
 use crate::value::{Components, Value};
 
@@ -18,61 +18,9 @@ pub(super) struct Pairs<V: Value> {
     run: u64,
     /// Where in a run the next sample is.
     at: u64,
-    /// Of strata that lie along one axis alone, how many samples each has, if more
-    /// than one, and a sweep of them; how many come before the next stratum begins,
-    /// and before the next sweep.
-    along: Option<usize>,
+    /// How many samples a sweep has, and how many of the present one are to come.
     sweep: u64,
-    before_stratum: usize,
-    before_sweep: u64,
-}
-
-/// The largest |y − y′| of the last sample of a stratum and the first of the next,
-/// where all strata lie along one axis.
-///
-/// A jump inside of a stratum varies there only if samples fall on both sides of it,
-/// which two of them do in one case of three; but it always shows between the
-/// neighbours. Along one axis that stratum is the only one; in more dimensions a jump
-/// goes through many.
-#[derive(Clone, Copy, Debug)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "C: Components")
-)]
-pub struct Steps<C> {
-    #[cfg_attr(feature = "serde", serde(with = "crate::serial::components"))]
-    pub(super) largest: C,
-    /// The first sample, unless it begins a sweep, and the last one.
-    #[cfg_attr(feature = "serde", serde(with = "crate::serial::maybe"))]
-    first: Option<C>,
-    #[cfg_attr(feature = "serde", serde(with = "crate::serial::maybe"))]
-    last: Option<C>,
-}
-
-impl<C: Components> Default for Steps<C> {
-    fn default() -> Self {
-        Self {
-            largest: C::ZERO,
-            first: None,
-            last: None,
-        }
-    }
-}
-
-impl<C: Components> Merge for Steps<C> {
-    fn merge(&mut self, right: Self) {
-        for (largest, step) in (self.largest.as_mut().iter_mut()).zip(right.largest.as_ref()) {
-            *largest = largest.max(*step);
-        }
-        if let (Some(last), Some(first)) = (self.last, right.first) {
-            larger(&mut self.largest, &last, &first);
-        }
-        if self.last.is_none() {
-            self.first = right.first;
-        }
-        self.last = right.last.or(self.last);
-    }
+    left: u64,
 }
 
 /// So many are kept of each block of a long sweep, and eight times as many of a short
@@ -84,7 +32,8 @@ const LONG: u64 = 1 << 16;
 const SLICE: usize = 256;
 
 impl<V: Value> Pairs<V> {
-    /// Of nothing, for a block that starts with sample `start` of the grid.
+    /// Of nothing, for a block that starts with sample `start` of the grid and is to be
+    /// merged into `all`.
     pub(super) fn new<const D: usize, J>(
         all: &Tail<V::Wide>,
         grid: &Stratified<D, J>,
@@ -94,78 +43,69 @@ impl<V: Value> Pairs<V> {
             1 => grid.row(),
             n => n,
         };
-        let kept = (KEPT * LONG / grid.len()).clamp(KEPT, 8 * KEPT);
-        let (n, sweep) = (grid.per_stratum(), grid.len());
-        let lone = n > 1 && grid.row() == grid.strata();
+        let sweep = grid.len();
+        let kept = (KEPT * LONG / sweep).clamp(KEPT, 8 * KEPT);
         Self {
             tail: all.continued_by_few(kept as usize),
             steps: Steps::default(),
             run,
             at: start % run,
-            along: lone.then_some(n as usize),
             sweep,
-            before_stratum: 0,
-            before_sweep: (sweep - start % sweep) % sweep,
+            left: sweep - start % sweep,
         }
     }
 
     /// The next samples: an even number of them, but for the last.
     #[inline]
     pub(super) fn push_all(&mut self, values: &[V]) {
-        let mut differences = [V::wide(V::Components::ZERO); SLICE / 2];
         for slice in values.chunks(SLICE) {
-            let pairs = slice.chunks_exact(2);
-            let count = pairs.len();
-            for (difference, pair) in differences.iter_mut().zip(pairs) {
-                *difference = apart(pair[0], pair[1]);
-            }
-            if (self.run | self.at) % 2 == 1 {
-                self.strike_out(&mut differences[..count]);
+            let largest = self.follow(slice);
+            if self.tail.admits(&largest) {
+                self.keep(slice);
+            } else {
+                self.tail.pass_over(slice.len() / 2);
             }
             self.at = (self.at + slice.len() as u64) % self.run;
-            self.tail.push_all(&differences[..count]);
-        }
-        if let Some(n) = self.along {
-            self.step(values, n);
         }
     }
 
-    /// The first of each stratum of n samples, and the one before.
+    /// Takes the steps of a slice, and returns what no difference exceeds.
     #[inline]
-    fn step(&mut self, values: &[V], n: usize) {
-        let [Some(first), Some(last)] = [values.first(), values.last()] else {
-            return;
-        };
-        let mut largest = self.steps.largest;
-        let mut begins = self.before_stratum;
-        if begins == 0 && self.before_sweep > 0 {
-            match self.steps.last {
-                Some(last) => larger(&mut largest, &last, &first.components()),
-                None => self.steps.first = Some(first.components()),
-            }
+    fn follow(&mut self, slice: &[V]) -> V::Components {
+        if self.left > slice.len() as u64 {
+            let begins = self.left == self.sweep;
+            self.left -= slice.len() as u64;
+            return self.steps.push(slice, begins)[0];
         }
-        while begins < values.len() {
-            // From one sweep to the next nothing is compared.
-            if begins == 0 || begins as u64 == self.before_sweep {
-                begins += n;
+        let (mut rest, mut largest) = (slice, V::Components::ZERO);
+        while !rest.is_empty() {
+            let count = self.left.min(rest.len() as u64);
+            let (values, more) = rest.split_at(count as usize);
+            let [_, all] = self.steps.push(values, self.left == self.sweep);
+            for (largest, step) in largest.as_mut().iter_mut().zip(all.as_ref()) {
+                *largest = largest.max(*step);
             }
-            if begins as u64 > self.before_sweep {
-                self.before_sweep += self.sweep;
+            self.left -= count;
+            if self.left == 0 {
+                self.left = self.sweep;
             }
-            let end = self.before_sweep.min(values.len() as u64) as usize;
-            if begins < end {
-                for samples in values[begins - 1..end].chunks(n) {
-                    if let [y, z, ..] = samples {
-                        larger(&mut largest, &y.components(), &z.components());
-                    }
-                }
-                begins += (end - begins).next_multiple_of(n);
-            }
+            rest = more;
         }
-        self.steps.largest = largest;
-        self.steps.last = Some(last.components());
-        self.before_stratum = begins - values.len();
-        self.before_sweep -= values.len() as u64;
+        largest
+    }
+
+    #[inline(never)]
+    fn keep(&mut self, slice: &[V]) {
+        let mut differences = [V::wide(V::Components::ZERO); SLICE / 2];
+        let pairs = slice.chunks_exact(2);
+        let count = pairs.len();
+        for (difference, pair) in differences.iter_mut().zip(pairs) {
+            *difference = apart(pair[0], pair[1]);
+        }
+        if (self.run | self.at) % 2 == 1 {
+            self.strike_out(&mut differences[..count]);
+        }
+        self.tail.push_all(&differences[..count]);
     }
 
     /// Makes those pairs 0 whose samples are not of one run.
@@ -175,18 +115,6 @@ impl<V: Value> Pairs<V> {
             if (self.at + 2 * i) % self.run == self.run - 1 {
                 *difference = V::wide(V::Components::ZERO);
             }
-        }
-    }
-}
-
-/// Makes `largest` |y − z| where that is larger, and finite.
-#[inline]
-fn larger<C: Components>(largest: &mut C, y: &C, z: &C) {
-    let pairs = y.as_ref().iter().zip(z.as_ref());
-    for (largest, (y, z)) in largest.as_mut().iter_mut().zip(pairs) {
-        let step = (z - y).abs();
-        if step > *largest && step <= f64::MAX {
-            *largest = step;
         }
     }
 }
@@ -237,28 +165,20 @@ mod tests {
         assert_eq!(pairs.tail.largest(0), [3700.0]);
     }
 
-    /// Whatever the slices and the blocks.
+    /// From the last sample of a sweep, 30, to the first of the next, 10.
     #[test]
-    fn steps_are_between_neighbours_of_one_sweep() {
-        for (n, row) in [(2, 5), (3, 4), (7, 1), (2, 60)] {
-            let grid = Stratified::new([1, row, 1], n, 1).unwrap();
-            let value = |i: u64| ((i * 7_919) % 1_009) as f64;
-            // Four sweeps.
-            let values: Vec<f64> = (0..4 * grid.len()).map(value).collect();
-            let starts = (n..4 * grid.len()).step_by(n as usize);
-            let within = starts.filter(|i| i % grid.len() != 0);
-            let expected = within.map(|i| (value(i) - value(i - 1)).abs());
-            let expected = expected.fold(0.0, f64::max);
-            for (slice, block) in [(2, 1), (16, 3), (256, 5), (256, 1_000)] {
-                let mut steps = Steps::default();
-                let block = block * n;
-                for (i, values) in (0..).zip(values.chunks(block as usize)) {
-                    let mut pairs = Pairs::<f64>::new(&Tail::new(), &grid, i * block);
-                    values.chunks(slice).for_each(|s| pairs.push_all(s));
-                    steps.merge(pairs.steps);
-                }
-                assert_eq!(steps.largest, [expected], "{n} {row} {slice} {block}");
+    fn sweeps_are_not_compared() {
+        let grid = Stratified::new([5, 3], 2, 1).unwrap();
+        let values: Vec<f64> = (0..90).map(|i| f64::from(i % 30)).collect();
+        for (block, slice) in [(90, 256), (36, 16), (30, 4)] {
+            let mut steps = Steps::default();
+            for (i, values) in (0..).zip(values.chunks(block)) {
+                let start = i * block as u64;
+                let mut pairs = Pairs::<f64>::new(&Tail::new(), &grid, start);
+                values.chunks(slice).for_each(|s| pairs.push_all(s));
+                crate::merge::Merge::merge(&mut steps, pairs.steps);
             }
+            assert_eq!(steps.largest, [1.0], "{block} {slice}");
         }
     }
 

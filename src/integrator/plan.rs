@@ -47,6 +47,11 @@ impl Plan {
         self.samples.div_ceil(self.block_len.max(1))
     }
 
+    /// How many blocks so many samples are.
+    pub(super) fn blocks_to(&self, samples: u64) -> u64 {
+        samples / self.block_len.max(1)
+    }
+
     pub(super) fn block(&self, index: u64) -> Block {
         let offset = index * self.block_len;
         Block {

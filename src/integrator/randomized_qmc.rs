@@ -268,7 +268,7 @@ impl<E: TryEstimator, S: Randomize> Integrator for RandomizedQmc<E, S> {
             self.plan.block(index % self.plan.blocks()),
             self.non_finite,
             &mut moments,
-            |moments, slice| tail.push_last_of(moments, slice),
+            |largest, slice| tail.push_up_to(largest, slice),
         )
         .err();
         let ended = failure.is_some();

@@ -23,8 +23,8 @@ pub enum NonFinite {
 const SLICE: usize = 256;
 
 /// Takes the primary estimates of a block, in order, into `moments`, and shows
-/// each slice of them to `see`, together with the moments of all so far, as far as
-/// there is nothing to refuse.
+/// each slice of them to `see`, after a magnitude that none of them exceeds, as far
+/// as there is nothing to refuse.
 #[inline]
 pub(crate) fn sample_block<S: Sampler, E: TryEstimator>(
     sampler: &S,
@@ -32,7 +32,7 @@ pub(crate) fn sample_block<S: Sampler, E: TryEstimator>(
     block: Block,
     non_finite: NonFinite,
     moments: &mut Moments<E::Value>,
-    mut see: impl FnMut(&Moments<E::Value>, &[E::Value]),
+    mut see: impl FnMut(&<E::Value as Value>::Components, &[E::Value]),
 ) -> Result<(), Failure<E::Value, E::Error>> {
     let mut points = sampler.stream(block);
     let fail = |offset, cause| Failure {
@@ -54,27 +54,39 @@ pub(crate) fn sample_block<S: Sampler, E: TryEstimator>(
     while done < block.len {
         let len = (block.len - done).min(SLICE as u64) as usize;
         let ready = usize::from(done == 0);
-        let failed = estimator
-            .try_estimate_all(&mut points, &mut values[ready..len])
-            .err();
+        let failed = fill(estimator, &mut points, &mut values[ready..len]);
         let taken = failed.as_ref().map_or(len, |(taken, _)| ready + taken);
         let slice = &values[..taken];
-        match non_finite {
-            NonFinite::SetAside => moments.push_all(slice),
-            NonFinite::Refuse => {
-                if let Some(bad) = moments.push_while_finite(slice) {
-                    see(moments, &slice[..bad]);
-                    return Err(fail(done + bad as u64, Cause::NonFinite(slice[bad])));
-                }
+        let added = match non_finite {
+            NonFinite::SetAside => {
+                moments.push_all(slice);
+                Ok(*moments.largest_components())
+            }
+            NonFinite::Refuse => moments.push_while_finite(slice),
+        };
+        match added {
+            Ok(largest) => see(&largest, slice),
+            Err(bad) => {
+                see(moments.largest_components(), &slice[..bad]);
+                return Err(fail(done + bad as u64, Cause::NonFinite(slice[bad])));
             }
         }
-        see(moments, slice);
         done += taken as u64;
         if let Some((_, error)) = failed {
             return Err(fail(done, Cause::Integrand(error)));
         }
     }
     Ok(())
+}
+
+/// The hottest loop: out of line, so that it has all registers to itself.
+#[inline(never)]
+fn fill<E: TryEstimator, C: Coordinates>(
+    estimator: &E,
+    points: &mut C,
+    values: &mut [E::Value],
+) -> Option<(usize, E::Error)> {
+    estimator.try_estimate_all(points, values).err()
 }
 
 /// Whether all components are.

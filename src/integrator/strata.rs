@@ -1,7 +1,6 @@
 //! Means and variances within strata.
 
-use super::pairs::Steps;
-use crate::estimate::{ErrorSource, Estimate, Evidence, Moments, Tail};
+use crate::estimate::{ErrorSource, Estimate, Moments};
 use crate::merge::Merge;
 use crate::sampler::Stratified;
 use crate::value::{Components, Value};
@@ -35,11 +34,6 @@ pub struct Strata<V: Value> {
     ends: Option<Ends<V::Components>>,
     /// Of all primary estimates, pooled.
     pub(super) moments: Moments<V>,
-    /// The largest of them, and the largest differences of two of one stratum:
-    /// whichever is collected.
-    pub(super) tail: Tail<V>,
-    pub(super) differences: Tail<V::Wide>,
-    pub(super) steps: Steps<V::Components>,
 }
 
 /// The first and the last of a number of strata in sequence; no mean where no
@@ -70,9 +64,6 @@ impl<V: Value> Default for Strata<V> {
             squares: V::Components::ZERO,
             ends: None,
             moments: Moments::new(),
-            tail: Tail::new(),
-            differences: Tail::new(),
-            steps: Steps::default(),
         }
     }
 }
@@ -91,9 +82,6 @@ impl<V: Value> Merge for Strata<V> {
         self.terms += right.terms;
         self.freedom += right.freedom;
         self.moments.merge(right.moments);
-        self.tail.merge(right.tail);
-        self.differences.merge(right.differences);
-        self.steps.merge(right.steps);
         if let Some(ends) = right.ends {
             self.join(ends);
         }
@@ -165,26 +153,13 @@ impl<V: Value> Strata<V> {
         mean
     }
 
-    /// What the largest differences within strata of n samples say; of neighbours
-    /// where n is 1.
-    pub(super) fn evidence(&self, n: u64) -> Evidence<V> {
-        let n = n as f64;
-        // E (y − y′)² = 2σₘ², and the covariances are of means of n values.
-        let scale = 2.0 * n / self.terms as f64;
-        // Of a jump that no two of n samples saw, E p² = 2/(n + 2)(n + 3) where p is
-        // the part of the stratum beyond it; in the units of Σ (y − y′)².
-        // Where n is 1, neighbours are what the covariances are of.
-        let unseen = match n {
-            1.0 => 0.0,
-            _ => (2.0 * n * n / ((n + 2.0) * (n + 3.0))).sqrt(),
-        };
-        let mut squares = V::Components::ZERO;
-        let mut steps = self.steps.largest;
-        for k in 0..V::Components::COUNT {
-            squares.as_mut()[k] = self.covariances.as_ref()[k].as_ref()[k] * scale;
-            steps.as_mut()[k] *= unseen;
+    /// The variance of a ȳₘ on average, by component.
+    pub(super) fn variances(&self) -> V::Components {
+        let mut variances = V::Components::ZERO;
+        for (k, variance) in variances.as_mut().iter_mut().enumerate() {
+            *variance = self.covariances.as_ref()[k].as_ref()[k] / self.terms as f64;
         }
-        Evidence::of_differences(&self.differences, &squares, &steps)
+        variances
     }
 
     /// The estimate from all strata, of one sample each or of more.

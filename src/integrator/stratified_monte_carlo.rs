@@ -7,8 +7,9 @@ use super::plan::Plan;
 use super::sample_block::{is_finite, sample_block};
 use super::sample_error::Failure;
 use super::strata::{Strata, Walk};
+use super::sweeps::Sweeps;
 use super::{Integrator, NonFinite, SampleError};
-use crate::estimate::{ErrorSource, Estimate, Moments, Tolerance};
+use crate::estimate::{ErrorSource, Estimate, Moments, Tail, Tolerance};
 use crate::estimator::TryEstimator;
 use crate::merge::Merge;
 use crate::sampler::{Iid, Independent, Stratified};
@@ -63,9 +64,11 @@ pub struct StratifiedMonteCarlo<const D: usize, E: TryEstimator, J = Independent
     estimator: E,
     non_finite: NonFinite,
     /// Whole sweeps.
-    done: Strata<E::Value>,
-    /// What has been taken of a sweep that was interrupted.
-    open: Strata<E::Value>,
+    done: Sweeps<E::Value>,
+    /// What has been taken of a sweep that is not finished.
+    open: Sweeps<E::Value>,
+    /// No differences, but what they have to exceed to be among the largest.
+    floor: Tail<<E::Value as Value>::Wide>,
     spent: u64,
     /// The number of the next block and the next sample.
     next: (u64, u64),
@@ -79,8 +82,9 @@ impl<const D: usize, E: TryEstimator, J: Iid> StratifiedMonteCarlo<D, E, J> {
             grid,
             estimator,
             non_finite: NonFinite::Refuse,
-            done: Strata::default(),
-            open: Strata::default(),
+            done: Sweeps::default(),
+            open: Sweeps::default(),
+            floor: Tail::new(),
             spent: 0,
             next: (0, 0),
             plan: Plan::default(),
@@ -88,10 +92,16 @@ impl<const D: usize, E: TryEstimator, J: Iid> StratifiedMonteCarlo<D, E, J> {
     }
 
     fn estimate(&self) -> Option<Estimate<E::Value>> {
-        self.done.estimate(match self.grid.per_stratum() {
+        self.done.strata.estimate(match self.grid.per_stratum() {
             1 => ErrorSource::NeighbouringStrata,
             _ => ErrorSource::WithinStrata,
         })
+    }
+
+    /// Whether the blocks of this sweep that are done end a part of it.
+    fn is_at_end_of_part(&self) -> bool {
+        let done = self.plan.blocks_to(self.next.1 % self.grid.len());
+        done > 0 && end_of_part(done - 1) == done
     }
 
     /// The same with another way to treat values that are NaN or infinite.
@@ -106,6 +116,22 @@ impl<const D: usize, E: TryEstimator, J: Iid> StratifiedMonteCarlo<D, E, J> {
 /// more, and a pass a number of blocks.
 const WHOLE: u64 = 1 << 12;
 const BUNDLE: u64 = 1 << 16;
+/// A sweep that is longer than this is taken in parts: differences that are not among
+/// the largest of one part need not be looked at in those after it. The first part has
+/// so many blocks, and each is so many times as long as all before.
+const LONG: u64 = 1 << 20;
+const FIRST: u64 = 16;
+const GROWTH: u64 = 8;
+
+/// After how many blocks the part of a sweep ends to which the block of this number
+/// belongs.
+fn end_of_part(block: u64) -> u64 {
+    let mut end = FIRST;
+    while end <= block {
+        end = end.saturating_mul(GROWTH);
+    }
+    end
+}
 
 impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarlo<D, E, J> {
     type Answer = Estimate<E::Value>;
@@ -134,7 +160,12 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
         } else {
             Plan::new(index, start, rest, self.grid.per_stratum())
         };
-        self.plan.blocks()
+        let blocks = self.plan.blocks();
+        if sweep <= LONG {
+            return blocks;
+        }
+        let done = self.plan.blocks_to(start % sweep);
+        blocks.min(end_of_part(done) - done)
     }
 
     fn block(&self, index: u64) -> ControlFlow<Self::Partial, Self::Partial> {
@@ -142,7 +173,7 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
         let mut strata = Strata::default();
         let mut walk = Walk::new(&self.grid, block.start);
         let mut moments = Moments::new();
-        let mut pairs = Pairs::new(&self.done.differences, &self.grid, block.start);
+        let mut pairs = Pairs::new(&self.floor, &self.grid, block.start);
         let failure = sample_block(
             &self.grid,
             &self.estimator,
@@ -165,18 +196,19 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
         let taken = moments.count() + moments.non_finite();
         if failure.is_some() {
             // A sweep with a hole in it says nothing.
-            let strata = Strata::default();
             return ControlFlow::Break(StratifiedPartial {
-                strata,
+                sweeps: Sweeps::default(),
                 taken,
                 failure,
             });
         }
         strata.moments = moments;
-        strata.differences = pairs.tail;
-        strata.steps = pairs.steps;
         ControlFlow::Continue(StratifiedPartial {
-            strata,
+            sweeps: Sweeps {
+                strata,
+                differences: pairs.tail,
+                steps: pairs.steps,
+            },
             taken,
             failure,
         })
@@ -186,18 +218,23 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
         self.spent += pass.taken;
         self.next = self.plan.after(blocks);
         let sweep = self.grid.len();
-        self.open.merge(pass.strata);
+        self.open.merge(pass.sweeps);
         if let Some(failure) = pass.failure {
             let open = core::mem::take(&mut self.open);
             if sweep <= WHOLE {
                 self.done.merge(open);
             }
+            self.floor = self.done.differences.continued();
             self.next.1 = self.next.1.div_ceil(sweep).saturating_mul(sweep);
             return Err(failure.explain(&self.grid, &self.estimator));
         }
         if self.next.1.is_multiple_of(sweep) {
             self.done.merge(core::mem::take(&mut self.open));
             self.done.differences.settle();
+            self.floor = self.done.differences.continued();
+        } else if sweep > LONG && self.is_at_end_of_part() {
+            self.open.differences.settle();
+            self.floor = self.open.differences.continued();
         }
         Ok(())
     }
@@ -211,7 +248,7 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
     }
 
     fn answer(&self) -> Option<Self::Answer> {
-        let evidence = self.done.evidence(self.grid.per_stratum());
+        let evidence = self.done.evidence(&self.grid);
         Some(self.estimate()?.with_evidence(evidence))
     }
 }
@@ -224,7 +261,7 @@ impl<const D: usize, E: TryEstimator, J: Iid> Integrator for StratifiedMonteCarl
     serde(bound = "")
 )]
 pub struct StratifiedPartial<V: Value, E> {
-    strata: Strata<V>,
+    sweeps: Sweeps<V>,
     /// Samples, those of a block that failed included.
     taken: u64,
     failure: Option<Failure<V, E>>,
@@ -232,7 +269,7 @@ pub struct StratifiedPartial<V: Value, E> {
 
 impl<V: Value, E> Merge for StratifiedPartial<V, E> {
     fn merge(&mut self, right: Self) {
-        self.strata.merge(right.strata);
+        self.sweeps.merge(right.sweeps);
         self.taken += right.taken;
         self.failure = self.failure.take().or(right.failure);
     }
@@ -244,14 +281,26 @@ where
     E: TryEstimator,
     J: Iid + core::fmt::Debug,
 {
-    type State = (Strata<E::Value>, Strata<E::Value>, u64, (u64, u64), Plan);
+    type State = (
+        Sweeps<E::Value>,
+        Sweeps<E::Value>,
+        Tail<<E::Value as Value>::Wide>,
+        u64,
+        (u64, u64),
+        Plan,
+    );
 
     fn state(&self) -> impl serde::Serialize {
-        (&self.done, &self.open, self.spent, self.next, self.plan)
+        let Self {
+            done, open, floor, ..
+        } = self;
+        (done, open, floor, self.spent, self.next, self.plan)
     }
 
     fn restore(&mut self, state: Self::State) -> Result<(), super::StateError> {
-        (self.done, self.open, self.spent, self.next, self.plan) = state;
+        (
+            self.done, self.open, self.floor, self.spent, self.next, self.plan,
+        ) = state;
         Ok(())
     }
 

@@ -11,6 +11,7 @@ pub use pass::VegasPass;
 
 use core::ops::ControlFlow;
 
+use super::jumps::{Ranges, Slab};
 use super::{Integrator, NonFinite, SampleError};
 use crate::estimate::{Consistency, ErrorSource, Estimate, Evidence, Tail, Tolerance};
 use crate::estimator::{Mapped, TryEstimator};
@@ -98,6 +99,9 @@ pub struct Vegas<E: TryEstimator> {
     /// The largest values of the answer, and from how many effective samples the
     /// grid learned last.
     tail: Tail<Wide<E>>,
+    /// The most that a jump which no sample saw may have added to the variance of
+    /// Σ f/p.
+    unseen: <E::Value as Value>::Components,
     lesson: f64,
     spent: u64,
     /// How the present round spends its budget, and its passes so far.
@@ -180,6 +184,7 @@ impl<E: TryEstimator> Vegas<E> {
             spreads: Vec::new(),
             passes: Vec::new(),
             tail: Tail::new(),
+            unseen: <E::Value as Value>::Components::ZERO,
             lesson: f64::INFINITY,
             spent: 0,
             round: Round::default(),
@@ -317,8 +322,9 @@ impl<E: TryEstimator> Vegas<E> {
             capped: plan.capped,
             cells: self.mapped.grid.cells(),
         });
-        self.tail.merge(pass.strata.tail);
+        self.tail.merge(pass.tail);
         self.tail.settle();
+        self.look_for_jumps(&pass.ranges, estimate.samples());
         let largest = estimate.moments.largest().components();
         for (scale, x) in self.scales.as_mut().iter_mut().zip(largest.as_ref()) {
             *scale = if x.is_normal() { 1.0 / x } else { *scale };
@@ -335,6 +341,37 @@ impl<E: TryEstimator> Vegas<E> {
                 .grid
                 .refine(&pass.histogram, self.learning.alpha, cells);
             debug_assert!(refined.is_ok(), "{refined:?}");
+        }
+    }
+}
+
+impl<E: TryEstimator> Vegas<E> {
+    /// In the strata of a pass of so many samples.
+    fn look_for_jumps(&mut self, ranges: &Ranges, samples: u64) {
+        let counts = (0..).zip(self.strata.counts());
+        let slabs = counts.map(|(axis, &n)| {
+            let n = n as f64;
+            let at = |u: f64| {
+                self.mapped
+                    .grid
+                    .warp(axis, u.clamp(0.0, 1.0 - f64::EPSILON))
+            };
+            let slab = |i: f64| {
+                // A cell that ends with the slab is inside.
+                let [a, b] = [at(i / n), at((i + 1.0) / n - f64::EPSILON)];
+                Slab {
+                    width: (b.x - a.x) * n,
+                    ends: [a.width, b.width],
+                }
+            };
+            (0..n as u64).map(|i| slab(i as f64)).collect()
+        });
+        let slabs: Vec<Vec<Slab>> = slabs.collect();
+        let jump: <E::Value as Value>::Components =
+            ranges.largest_jump(&slabs, |stratum| self.strata.points_of(stratum));
+        let share = samples as f64 / self.strata.strata() as f64;
+        for (unseen, jump) in self.unseen.as_mut().iter_mut().zip(jump.as_ref()) {
+            *unseen = unseen.max(jump * share * share);
         }
     }
 }
@@ -469,7 +506,12 @@ impl<E: TryEstimator> Integrator for Vegas<E> {
         let answer = pass::answer(&self.passes)?;
         let mut evidence = Evidence::of(&self.tail, &answer.moments)
             .with_agreement(|k| Some(self.consistency(k)?.q))
-            .with_lesson(self.lesson);
+            .with_lesson(self.lesson)
+            .with_jumps(|k| {
+                let error = answer.component(k).map_or(0.0, |e| e.standard_error);
+                let error = error * answer.samples() as f64;
+                self.unseen.as_ref()[k] / (error * error)
+            });
         if let [Some(first), Some(last)] = pass::halves(&self.passes) {
             evidence = evidence.with_parts(&first, &last);
         }

@@ -25,6 +25,8 @@ pub struct VegasState<V: Value, E> {
     #[serde(with = "crate::serial::components")]
     scales: V::Components,
     tail: Tail<V>,
+    #[serde(with = "crate::serial::components")]
+    unseen: V::Components,
     /// Effective samples of the last lesson.
     lesson: f64,
     passes: Vec<VegasPass<V>>,
@@ -60,6 +62,7 @@ impl<E: TryEstimator> Resumable for Vegas<E> {
             },
             scales: self.scales,
             tail: self.tail.clone(),
+            unseen: self.unseen,
             lesson: self.lesson,
             passes: self.passes.clone(),
             spent: self.spent,
@@ -68,7 +71,9 @@ impl<E: TryEstimator> Resumable for Vegas<E> {
             plan: self.plan,
             open: self.open.as_ref().map(|open| SweepPartial {
                 strata: open.strata.clone(),
+                tail: open.tail.clone(),
                 spreads: open.spreads.clone(),
+                ranges: open.ranges.clone(),
                 histogram: open.histogram.clone(),
                 taken: open.taken,
                 failure: None,
@@ -101,6 +106,7 @@ impl<E: TryEstimator> Resumable for Vegas<E> {
         (self.mapped.grid, self.strata) = (grid, strata);
         (self.spreads, self.scales) = (state.spreads, state.scales);
         (self.tail, self.lesson) = (state.tail, state.lesson);
+        self.unseen = state.unseen;
         (self.passes, self.spent) = (state.passes, state.spent);
         (self.round, self.done) = (state.round, state.done);
         (self.plan, self.open) = (state.plan, state.open);

@@ -6,6 +6,7 @@ use core::ops::{ControlFlow, Range};
 use crate::estimate::{Moments, Tail};
 use crate::estimator::{Location, Mapped, TryEstimator, through, through_all};
 use crate::integrator::NonFinite;
+use crate::integrator::jumps::Ranges;
 use crate::integrator::sample_block::{is_finite, sample_block};
 use crate::integrator::sample_error::Failure;
 use crate::integrator::strata::{Scales, Strata, Stratum};
@@ -38,12 +39,12 @@ impl<E: TryEstimator> Sweep<'_, E> {
     /// The samples of these strata, which are those of `block`.
     pub(super) fn block(&self, strata: Range<usize>, block: Block) -> Swept<E> {
         let mut moments = Moments::new();
-        let mut walk = Walk::new(self.strata, strata, self.scales.as_ref());
+        let mut walk = Walk::new(self.strata, strata, self.scales.as_ref(), self.lesson);
         let mut tail = self.tail.continued();
-        let see = |moments: &Moments<Wide<E>>, slice: &[Wide<E>]| {
+        let see = |largest: &_, slice: &[Wide<E>]| {
             walk.over(slice);
             if !self.lesson {
-                tail.push_last_of(moments, slice);
+                tail.push_up_to(largest, slice);
             }
         };
         let (failure, histogram) = if self.lesson {
@@ -73,10 +74,11 @@ impl<E: TryEstimator> Sweep<'_, E> {
         let taken = moments.count() + moments.non_finite();
         let mut strata = walk.sums;
         strata.moments = moments;
-        strata.tail = tail;
         let partial = SweepPartial {
             strata,
+            tail,
             spreads: walk.spreads,
+            ranges: walk.ranges,
             histogram,
             taken,
             failure,
@@ -183,12 +185,21 @@ struct Walk<'a, V: Value> {
     left: u64,
     finite: u64,
     samples: Stratum<V>,
+    lowest: V::Components,
+    highest: V::Components,
     sums: Strata<V>,
     spreads: Vec<f64>,
+    lesson: bool,
+    ranges: Ranges,
 }
 
 impl<'a, V: Value> Walk<'a, V> {
-    fn new(layout: &'a AdaptiveStrata, strata: Range<usize>, scales: &'a [f64]) -> Self {
+    fn new(
+        layout: &'a AdaptiveStrata,
+        strata: Range<usize>,
+        scales: &'a [f64],
+        lesson: bool,
+    ) -> Self {
         let mut walk = Self {
             layout,
             scales,
@@ -196,8 +207,12 @@ impl<'a, V: Value> Walk<'a, V> {
             left: 0,
             finite: 0,
             samples: Stratum::new(V::Components::ZERO),
+            lowest: V::Components::ZERO,
+            highest: V::Components::ZERO,
             sums: Strata::default(),
             spreads: Vec::with_capacity(strata.len()),
+            lesson,
+            ranges: Ranges::default(),
         };
         walk.begin();
         walk
@@ -209,17 +224,26 @@ impl<'a, V: Value> Walk<'a, V> {
             self.left = points.end - points.start;
         }
         self.finite = 0;
+        self.lowest.as_mut().fill(f64::INFINITY);
+        self.highest.as_mut().fill(f64::NEG_INFINITY);
     }
 
     #[inline]
     fn over(&mut self, values: &[V]) {
         for &value in values {
             if is_finite(value) {
+                let y = value.components();
                 self.finite += 1;
                 if self.finite == 1 {
-                    self.samples = Stratum::new(value.components());
+                    self.samples = Stratum::new(y);
                 } else {
-                    self.samples.add(value.components());
+                    self.samples.add(y);
+                }
+                for (k, &y) in y.as_ref().iter().enumerate() {
+                    let (lowest, highest) =
+                        (&mut self.lowest.as_mut()[k], &mut self.highest.as_mut()[k]);
+                    *lowest = if y < *lowest { y } else { *lowest };
+                    *highest = if y > *highest { y } else { *highest };
                 }
             }
             self.left -= 1;
@@ -243,6 +267,9 @@ impl<'a, V: Value> Walk<'a, V> {
             }
         }
         self.spreads.push(spread.max(0.0).sqrt());
+        if !self.lesson {
+            self.ranges.push(&self.lowest, &self.highest);
+        }
         self.stratum += 1;
         self.begin();
     }
@@ -257,8 +284,12 @@ impl<'a, V: Value> Walk<'a, V> {
 )]
 pub struct SweepPartial<V: Value, E> {
     pub(super) strata: Strata<V>,
+    /// The largest values; nothing of a lesson.
+    pub(super) tail: Tail<V>,
     /// σₘ of each stratum.
     pub(super) spreads: Vec<f64>,
+    /// The values of each stratum; nothing of a lesson.
+    pub(super) ranges: Ranges,
     pub(super) histogram: GridHistogram,
     /// Samples, those of a block that failed included.
     pub(super) taken: u64,
@@ -268,7 +299,9 @@ pub struct SweepPartial<V: Value, E> {
 impl<V: Value, E> Merge for SweepPartial<V, E> {
     fn merge(&mut self, right: Self) {
         self.strata.merge(right.strata);
+        self.tail.merge(right.tail);
         self.spreads.extend(right.spreads);
+        self.ranges.append(right.ranges);
         self.histogram.merge(right.histogram);
         self.taken += right.taken;
         self.failure = self.failure.take().or(right.failure);
