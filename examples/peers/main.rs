@@ -15,7 +15,7 @@
 //! processor seconds. What is not installed is left out.
 //!
 //! `--full` takes all 29 integrals, 10⁴ to 10⁶ evaluations and 20 seeds. Writes
-//! `target/peers.svg`, `.csv` and `.md`. `--vegas` sets VEGAS+ alone beside vegas, at
+//! `target/peers.svg`, `.csv` and `.md`; `--only=gauss_5,disc_2` takes these. `--vegas` sets VEGAS+ alone beside vegas, at
 //! equal evaluations, and writes `target/vegas.md`. One thread.
 
 mod beside_vegas;
@@ -93,10 +93,17 @@ fn main() -> Outcome<()> {
         return Ok(fs::write("target/vegas.md", beside_vegas::table(&folder)?)?);
     }
     let effort = if full { FULL } else { SMALL };
+    let only: Vec<&str> = arguments
+        .iter()
+        .find_map(|a| a.strip_prefix("--only="))
+        .map_or_else(
+            || effort.integrals.to_vec(),
+            |names| names.split(',').collect(),
+        );
 
     let mut chosen = integrals();
-    chosen.retain(|i| effort.integrals.is_empty() || effort.integrals.contains(&i.name));
-    let (peers, theirs) = run_peers(&folder, &effort);
+    chosen.retain(|i| only.is_empty() || only.contains(&i.name));
+    let (peers, theirs) = run_peers(&folder, &only, &effort);
 
     let csv = "target/peers.csv";
     let _ = fs::remove_file(csv); // what an earlier call has left
@@ -115,14 +122,7 @@ fn main() -> Outcome<()> {
                 Ok(*runs.get(seed % runs.len()).ok_or("it ended before")?)
             })?;
         }
-        // Where seeds make no difference, an error is an accident.
-        let last = effort.budgets.last().copied().unwrap_or(1);
-        let varies = |peer: &&Peer| {
-            let runs = theirs.get(&(peer.name, integral.name.into(), last));
-            runs.is_some_and(|runs| runs.iter().any(|run| run.value != runs[0].value))
-        };
-        let sampling: Vec<&Peer> = peers.iter().filter(varies).collect();
-        let row = target::row(&study, integral, &sampling, &folder, &effort)?;
+        let row = target::row(&study, integral, &peers, &folder, &effort)?;
         println!("{}", row.trim_end());
         times += &row;
         studies.push(study);
@@ -146,15 +146,14 @@ fn main() -> Outcome<()> {
 type Theirs = BTreeMap<(&'static str, String, u64), Vec<Found>>;
 
 /// All runs of those that are installed.
-fn run_peers(folder: &Path, effort: &Effort) -> (Vec<Peer>, Theirs) {
+fn run_peers(folder: &Path, only: &[&str], effort: &Effort) -> (Vec<Peer>, Theirs) {
     let mut found = Theirs::new();
     let mut run = |peer: &Peer| -> Result<(), String> {
         for &budget in effort.budgets {
-            let one = effort.integrals.iter().map(|&name| Some(name));
-            let names = if effort.integrals.is_empty() {
+            let names = if only.is_empty() {
                 vec![None]
             } else {
-                one.collect()
+                only.iter().copied().map(Some).collect()
             };
             for name in names {
                 for run in peer.runs(folder, budget, effort.seeds, name)? {

@@ -11,8 +11,8 @@ use crate::programs::Peer;
 use crate::{Effort, Outcome};
 
 pub const HEAD: &str = "| integral | best sampling peer | its RMS error | its time | ours at | \
-                        RMS error | time | times faster | Cuhre | hcubature |\n\
-                        |---|---|--:|--:|--:|--:|--:|--:|--:|--:|\n";
+                        RMS error | time | times faster | Cuhre | hcubature | Divonne |\n\
+                        |---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n";
 
 /// Runs whose time counts, in each round.
 const TIMED: u32 = 3;
@@ -29,12 +29,12 @@ pub fn integrate(integral: &Integral, budget: u64, seed: u64) -> Outcome<Found> 
 }
 
 /// A line of the table: the smallest budget, of powers of two, with which `integrate`
-/// is as good as the best peer of `sampling` with the last budget; the time that each
+/// is as good as the best peer that samples with the last budget; the time that each
 /// takes.
 pub fn row(
     study: &Study,
     integral: &Integral,
-    sampling: &[&Peer],
+    peers: &[Peer],
     folder: &Path,
     effort: &Effort,
 ) -> Outcome<String> {
@@ -50,9 +50,12 @@ pub fn row(
             format!("{:.1e} in {:.1e} s", relative(r), r.seconds)
         })
     };
-    let rules = format!("{} | {}", rule("Cuba Cuhre"), rule("hcubature"));
-    let best = sampling
+    let rules = ["Cuba Cuhre", "hcubature", "Cuba Divonne"]
+        .map(rule)
+        .join(" | ");
+    let best = peers
         .iter()
+        .filter(|p| p.samples)
         .filter_map(|p| Some((p, of(p.name)?)))
         .min_by(|a, b| a.1.rmse.total_cmp(&b.1.rmse));
     let Some((peer, best)) = best else {
