@@ -275,7 +275,7 @@ impl Scene {
     /// The distance to what the ray meets first, and its number.
     #[inline]
     pub(super) fn nearest(&self, ray: &Ray) -> Option<(f64, usize)> {
-        self.packed.nearest(ray, f64::INFINITY)
+        self.packed.nearest(ray)
     }
 
     /// V(x, y): whether nothing stands between the two points.
@@ -290,16 +290,7 @@ impl Scene {
     /// Whether nothing stands in the way.
     #[inline]
     pub(super) fn is_clear(&self, way: &Way) -> bool {
-        self.packed.nearest(&way.ray, way.length).is_none()
-    }
-
-    /// [`nearest`](Self::nearest), and whether the way is clear: both take
-    /// hardly longer than one of them.
-    #[inline]
-    pub(super) fn nearest_beside(&self, ray: &Ray, way: &Way) -> (Option<(f64, usize)>, bool) {
-        let rays = [(ray, f64::INFINITY), (&way.ray, way.length)];
-        let [nearest, between] = self.packed.each_nearest(rays);
-        (nearest, between.is_none())
+        !self.packed.meets_any(&way.ray, way.length)
     }
 
     /// Lₑ at a point of this primitive in the direction `outgoing`.
