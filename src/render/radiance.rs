@@ -3,9 +3,10 @@
 use glam::{BVec3, DVec3};
 
 use super::scene::Way;
+use super::shape::error_bound;
 use super::{
-    Camera, Choice, Direct, Layout, Lights, Primitive, Ray, Scene, Surface, SurfacePoint,
-    Technique, TechniqueError,
+    Camera, Choice, Direct, Layout, LightSample, Lights, Primitive, Ray, Scene, Surface,
+    SurfacePoint, Technique, TechniqueError,
 };
 use crate::estimator::{Estimator, FromFn};
 use crate::pdf::{Discrete, Pdf};
@@ -145,6 +146,7 @@ impl<'a> Radiance<'a> {
                     }
                 }
                 if self.goes_on(&mut here, u) {
+                    here.throughput /= f64::from(self.rays);
                     kept.push((here, 0));
                 }
             }
@@ -196,17 +198,19 @@ impl<'a> Radiance<'a> {
         ))
     }
 
-    /// The roulette at a vertex, and what each ray starts with if it goes on.
+    /// The roulette at a vertex.
     #[inline(always)]
     fn goes_on<C: Coordinates>(&self, here: &mut Vertex<'_>, u: &mut C) -> bool {
         let chance = self
             .technique
             .roulette
             .chance(here.throughput, here.vertices);
-        if chance < 1.0 && u.next_1d() >= chance {
-            return false;
+        if chance < 1.0 {
+            if u.next_1d() >= chance {
+                return false;
+            }
+            here.throughput /= chance;
         }
-        here.throughput /= chance * f64::from(self.rays);
         true
     }
 
@@ -216,9 +220,12 @@ impl<'a> Radiance<'a> {
         let directions = self.technique.directions;
         let scatter = here
             .surface
-            .scatter(directions, here.point.normal, here.outgoing, xi, u);
+            .scatter(directions, here.normal, here.outgoing, xi, u);
         Step {
-            ray: here.point.ray(scatter.direction),
+            ray: Ray {
+                origin: here.origin,
+                direction: scatter.direction,
+            },
             throughput: here.throughput * scatter.weight,
             vertices: here.vertices,
             density: scatter.density,
@@ -299,13 +306,13 @@ impl<'a> Radiance<'a> {
         light: usize,
         u: &mut C,
     ) -> Option<(DVec3, Way)> {
-        let x = &here.point;
+        let x = here.position;
         let sample = self
             .scene
-            .sample_light(light, lights.points, x.position, u.next_2d());
-        let to = sample.point.position - x.position;
+            .sample_light(light, lights.points, x, u.next_2d());
+        let to = sample.point.position - x;
         // Hard to foretell: one branch for both, before any root is taken.
-        if (x.normal.dot(to) <= 0.0) | (sample.point.normal.dot(to) >= 0.0) {
+        if (here.normal.dot(to) <= 0.0) | (sample.point.normal.dot(to) >= 0.0) {
             return None;
         }
         let emitted = self.scene.primitives()[light].emission;
@@ -314,7 +321,7 @@ impl<'a> Radiance<'a> {
             Direct::Both(_, heuristic) => {
                 let density = here.surface.density(
                     self.technique.directions,
-                    here.point.normal,
+                    here.normal,
                     here.outgoing,
                     sample.direction,
                 );
@@ -324,11 +331,16 @@ impl<'a> Radiance<'a> {
         };
         let f = here
             .surface
-            .evaluate(here.point.normal, here.outgoing, sample.direction);
-        let cos = x.normal.dot(sample.direction);
+            .evaluate(here.normal, here.outgoing, sample.direction);
+        let cos = here.normal.dot(sample.direction);
         let arriving = f * emitted * (weight * cos / by_light);
         (arriving != DVec3::ZERO).then(|| {
-            let way = Way::new(x, &sample.point, to, sample.distance);
+            // Each end on its side: both were seen to face the other.
+            let LightSample {
+                point, distance, ..
+            } = sample;
+            let error = point.error + error_bound(distance);
+            let way = Way::new(here.origin, point.position + point.normal * error);
             (arriving, way)
         })
     }
@@ -369,8 +381,12 @@ impl Step {
 /// A vertex of a path, seen from where the path came.
 #[derive(Clone, Copy)]
 struct Vertex<'a> {
-    /// With the normal on the side of `outgoing`.
-    point: SurfacePoint,
+    position: DVec3,
+    /// The normal on the side of `outgoing`.
+    normal: DVec3,
+    /// The position, moved to that side by no more than rounding makes
+    /// necessary: where rays start.
+    origin: DVec3,
     surface: &'a Surface,
     outgoing: DVec3,
     /// How many vertices there are up to here.
@@ -389,12 +405,11 @@ impl<'a> Vertex<'a> {
         vertices: u32,
         throughput: DVec3,
     ) -> Self {
-        let normal = point.normal;
+        let normal = point.normal * 1.0_f64.copysign(point.normal.dot(outgoing));
         Self {
-            point: SurfacePoint {
-                normal: normal * 1.0_f64.copysign(normal.dot(outgoing)),
-                ..*point
-            },
+            position: point.position,
+            normal,
+            origin: point.position + normal * point.error,
             surface,
             outgoing,
             vertices,

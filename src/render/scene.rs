@@ -284,7 +284,14 @@ impl Scene {
     pub fn visible(&self, x: &SurfacePoint, y: &SurfacePoint) -> bool {
         let to = y.position - x.position;
         let length = to.length();
-        length == 0.0 || self.is_clear(&Way::new(x, y, to, length))
+        if length == 0.0 {
+            return true;
+        }
+        // Over a long way it is the way's rounding that might put y in its own
+        // shadow.
+        let error = y.error + error_bound(length);
+        let end = SurfacePoint { error, ..*y }.off_towards(-to);
+        self.is_clear(&Way::new(x.off_towards(to), end))
     }
 
     /// Whether nothing stands in the way.
@@ -316,16 +323,10 @@ pub(super) struct Way {
 }
 
 impl Way {
-    /// From x to y, which are `length` > 0 apart in this direction.
-    #[inline]
-    pub(super) fn new(x: &SurfacePoint, y: &SurfacePoint, direction: DVec3, length: f64) -> Self {
-        // Over a long way it is the way's rounding that might put y in its own
-        // shadow.
-        let error = y.error + error_bound(length);
-        let y = SurfacePoint { error, ..*y };
-        let origin = x.off_towards(direction);
-        // Not the length that is known: the offsets are small, but they count.
-        let to = y.off_towards(-direction) - origin;
+    /// From here to there, which are not the same.
+    #[inline(always)]
+    pub(super) fn new(origin: DVec3, end: DVec3) -> Self {
+        let to = end - origin;
         let length = to.length();
         let direction = to * (1.0 / length);
         Self {
