@@ -134,7 +134,7 @@ impl Scene {
         let distance = square.sqrt();
         let direction = to * (1.0 / distance);
         // solid_angle_density, with what is known already
-        let density = density * square / point.normal.dot(direction).abs();
+        let density = density * square * distance / point.normal.dot(to).abs();
         LightSample {
             point,
             direction,

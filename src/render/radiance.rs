@@ -3,12 +3,13 @@
 use glam::{BVec3, DVec3};
 
 use super::scene::Way;
+use super::shape::error_bound;
 use super::{
-    Camera, Choice, Direct, Lights, Primitive, Ray, Scene, Surface, SurfacePoint, Technique,
-    TechniqueError,
+    Camera, Choice, Direct, Layout, LightSample, Lights, Primitive, Ray, Scene, Surface,
+    SurfacePoint, Technique, TechniqueError,
 };
 use crate::estimator::{Estimator, FromFn};
-use crate::pdf::Pdf;
+use crate::pdf::{Discrete, Pdf};
 use crate::sampler::Coordinates;
 
 /// The radiance that arrives along a ray, estimated by a path.
@@ -51,6 +52,8 @@ pub struct Radiance<'a> {
     technique: Technique,
     /// How many rays go on from a vertex.
     rays: u32,
+    /// Whether several rays, or shadow rays, may leave one.
+    branches: bool,
 }
 
 impl<'a> Radiance<'a> {
@@ -62,10 +65,15 @@ impl<'a> Radiance<'a> {
     /// must reflect less than all.
     pub fn new(scene: &'a Scene, technique: Technique) -> Result<Self, TechniqueError> {
         let rays = technique.check(scene)?;
+        let shadows = match technique.direct {
+            Direct::Hit => Choice::One,
+            Direct::Light(lights) | Direct::Both(lights, _) => lights.choice,
+        };
         Ok(Self {
             scene,
             technique,
             rays,
+            branches: technique.layout != Layout::Independent(1) || shadows != Choice::One,
         })
     }
 
@@ -88,57 +96,81 @@ impl<'a> Radiance<'a> {
         }
     }
 
-    /// One path, or a tree of them, depth first: where further rays are to go on
-    /// is kept for later. A single path keeps nothing.
+    /// One path.
     // What a vertex takes is `inline(always)`, here and in the shapes: a program
     // with several samplers would call what does not depend on them, and hand
-    // vectors over through memory, which takes a fifth of the time.
-    #[inline]
-    fn trace<C: Coordinates>(&self, ray: Ray, u: &mut C) -> Path {
+    // vectors over through memory, which takes a fifth of the time. For the same
+    // reason a path is not a tree without branches: what may be kept lies in
+    // memory, what cannot be stays in registers.
+    #[inline(always)]
+    fn path<C: Coordinates>(&self, ray: Ray, u: &mut C) -> Path {
+        let mut path = Path::default();
+        let mut step = Step::first(ray);
+        while let Some(mut here) = self.arrive(&step, &mut path) {
+            if let Some((lights, by_power)) = self.lights(&here) {
+                let light = self.choose(by_power, u);
+                self.shadow(&here, lights, light, u, &mut path);
+            }
+            if !self.goes_on(&mut here, u) {
+                break;
+            }
+            step = self.leave(&here, u.next_2d(), u);
+        }
+        path
+    }
+
+    /// A tree of paths, depth first: where further rays are to go on is kept
+    /// for later.
+    // Compiled once, not with every sampler.
+    #[inline(never)]
+    fn tree(&self, ray: Ray, mut u: &mut dyn Coordinates) -> Path {
+        let u = &mut u;
         let mut path = Path::default();
         let mut kept = Vec::new();
-        let mut step = Step {
-            ray,
-            throughput: DVec3::ONE,
-            vertices: 0,
-            density: None,
-        };
+        let mut step = Step::first(ray);
         loop {
-            // Looked at where it is: a vertex is large, and a single path moves
-            // none.
-            let reached = self.arrive(&step, u, &mut path);
-            if let Some(here) = &reached {
-                step = self.leave(here, 0, u);
-                if self.rays > 1 {
-                    kept.push((*here, 1));
+            if let Some(mut here) = self.arrive(&step, &mut path) {
+                if let Some((lights, by_power)) = self.lights(&here) {
+                    match lights.choice {
+                        Choice::One => {
+                            let light = self.choose(by_power, u);
+                            self.shadow(&here, lights, light, u, &mut path);
+                        }
+                        Choice::All { samples } => {
+                            for &light in self.scene.lights() {
+                                for _ in 0..samples {
+                                    self.shadow(&here, lights, light, u, &mut path);
+                                }
+                            }
+                        }
+                    }
                 }
-            } else if let Some((here, sent)) = kept.pop() {
-                step = self.leave(&here, sent, u);
-                if sent + 1 < self.rays {
-                    kept.push((here, sent + 1));
+                if self.goes_on(&mut here, u) {
+                    here.throughput /= f64::from(self.rays);
+                    kept.push((here, 0));
                 }
-            } else {
-                self.finish(&mut path);
+            }
+            let Some((here, sent)) = kept.pop() else {
                 return path;
+            };
+            let xi = self.technique.layout.point(sent, u);
+            step = self.leave(&here, xi, u);
+            if sent + 1 < self.rays {
+                kept.push((here, sent + 1));
             }
         }
     }
 
     /// Adds to `path` the light that comes from the end of a step, and returns
-    /// the vertex there if rays go on from it.
-    #[inline]
-    fn arrive<C: Coordinates>(
-        &self,
-        step: &Step,
-        u: &mut C,
-        path: &mut Path,
-    ) -> Option<Vertex<'a>> {
+    /// the vertex there if light may be reflected there.
+    #[inline(always)]
+    fn arrive(&self, step: &Step, path: &mut Path) -> Option<Vertex<'a>> {
         if step.throughput == DVec3::ZERO || self.is_idle(step) {
             return None;
         }
         let technique = &self.technique;
         path.rays += 1;
-        let Some((distance, primitive)) = self.nearest(&step.ray, path) else {
+        let Some((distance, primitive)) = self.scene.nearest(&step.ray) else {
             path.radiance += step.throughput * self.scene.environment();
             return None;
         };
@@ -151,34 +183,50 @@ impl<'a> Radiance<'a> {
         }
 
         let vertices = step.vertices + 1;
-        let mut here = Vertex::new(&point, surface, outgoing, vertices);
         if technique.max_vertices == Some(vertices)
             || surface.is_black()
             || step.throughput.max_element() < technique.threshold
         {
             return None;
         }
-        self.direct(&here, step.throughput, u, path);
+        Some(Vertex::new(
+            &point,
+            surface,
+            outgoing,
+            vertices,
+            step.throughput,
+        ))
+    }
 
-        let chance = technique.roulette.chance(step.throughput, vertices);
-        if chance < 1.0 && u.next_1d() >= chance {
-            return None;
+    /// The roulette at a vertex.
+    #[inline(always)]
+    fn goes_on<C: Coordinates>(&self, here: &mut Vertex<'_>, u: &mut C) -> bool {
+        let chance = self
+            .technique
+            .roulette
+            .chance(here.throughput, here.vertices);
+        if chance < 1.0 {
+            if u.next_1d() >= chance {
+                return false;
+            }
+            here.throughput /= chance;
         }
-        here.share = step.throughput / (chance * f64::from(self.rays));
-        Some(here)
+        true
     }
 
     /// One of the rays that go on from a vertex.
     #[inline(always)]
-    fn leave<C: Coordinates>(&self, here: &Vertex<'_>, ray: u32, u: &mut C) -> Step {
-        let xi = self.technique.layout.point(ray, u);
+    fn leave<C: Coordinates>(&self, here: &Vertex<'_>, xi: [f64; 2], u: &mut C) -> Step {
         let directions = self.technique.directions;
         let scatter = here
             .surface
-            .scatter(directions, here.point.normal, here.outgoing, xi, u);
+            .scatter(directions, here.normal, here.outgoing, xi, u);
         Step {
-            ray: here.point.ray(scatter.direction),
-            throughput: here.share * scatter.weight,
+            ray: Ray {
+                origin: here.origin,
+                direction: scatter.direction,
+            },
+            throughput: here.throughput * scatter.weight,
             vertices: here.vertices,
             density: scatter.density,
         }
@@ -212,68 +260,45 @@ impl<'a> Radiance<'a> {
         }
     }
 
-    /// How far a ray goes, and which primitive it meets; on the way, the shadow
-    /// ray that waits is traced, for neither has to wait for the other.
+    /// How lights are to be sampled at a vertex, if any are.
     #[inline(always)]
-    fn nearest(&self, ray: &Ray, path: &mut Path) -> Option<(f64, usize)> {
-        let Some(shadow) = path.shadow.take() else {
-            return self.scene.nearest(ray);
+    fn lights(&self, here: &Vertex<'_>) -> Option<(Lights, &'a Discrete)> {
+        let (Direct::Light(lights) | Direct::Both(lights, _)) = self.technique.direct else {
+            return None;
         };
-        let (nearest, seen) = self.scene.nearest_beside(ray, &shadow.way);
-        path.add(&shadow, seen);
-        nearest
+        let by_power = self.scene.by_power()?;
+        (!here.surface.is_specular()).then_some((lights, by_power))
     }
 
-    /// Traces the shadow ray that waits, if one does.
-    #[inline]
-    fn finish(&self, path: &mut Path) {
-        if let Some(shadow) = path.shadow.take() {
-            let seen = self.scene.is_clear(&shadow.way);
-            path.add(&shadow, seen);
+    /// One light, in proportion to its power.
+    #[inline(always)]
+    fn choose<C: Coordinates>(&self, by_power: &Discrete, u: &mut C) -> usize {
+        match self.scene.lights() {
+            [only] => *only,
+            all => all[by_power.sample(u.next_1d()).point],
         }
     }
 
-    /// Sends shadow rays from a vertex to lights, as far as these are sampled.
-    #[inline]
-    fn direct<C: Coordinates>(
+    /// Sends a shadow ray from a vertex to a light.
+    #[inline(always)]
+    fn shadow<C: Coordinates>(
         &self,
         here: &Vertex<'_>,
-        throughput: DVec3,
+        lights: Lights,
+        light: usize,
         u: &mut C,
         path: &mut Path,
     ) {
-        let (Direct::Light(lights) | Direct::Both(lights, _)) = self.technique.direct else {
-            return;
-        };
-        if here.surface.is_specular() {
-            return;
-        }
-        let Some(by_power) = self.scene.by_power() else {
-            return;
-        };
-        let all = self.scene.lights();
-        let (chosen, samples) = match lights.choice {
-            Choice::All { samples } => (all, samples),
-            Choice::One if all.len() == 1 => (all, 1),
-            Choice::One => {
-                let light = by_power.sample(u.next_1d()).point;
-                (&all[light..=light], 1)
-            }
-        };
-        for &light in chosen {
-            for _ in 0..samples {
-                if let Some((light, way)) = self.light(here, lights, light, u) {
-                    self.finish(path);
-                    path.rays += 1;
-                    let light = throughput * light;
-                    path.shadow = Some(Shadow { light, way });
-                }
-            }
+        if let Some((light, way)) = self.light(here, lights, light, u) {
+            path.rays += 1;
+            // Chosen, not branched to: whether a light is seen is hard to foretell.
+            let seen = BVec3::splat(self.scene.is_clear(&way));
+            path.radiance += DVec3::select(seen, here.throughput * light, DVec3::ZERO);
         }
     }
 
     /// f Lₑ cos θ/(n p) at a sampled point of a light, and the way there.
-    #[inline]
+    #[inline(always)]
     fn light<C: Coordinates>(
         &self,
         here: &Vertex<'_>,
@@ -281,13 +306,13 @@ impl<'a> Radiance<'a> {
         light: usize,
         u: &mut C,
     ) -> Option<(DVec3, Way)> {
-        let x = &here.point;
+        let x = here.position;
         let sample = self
             .scene
-            .sample_light(light, lights.points, x.position, u.next_2d());
-        let to = sample.point.position - x.position;
+            .sample_light(light, lights.points, x, u.next_2d());
+        let to = sample.point.position - x;
         // Hard to foretell: one branch for both, before any root is taken.
-        if (x.normal.dot(to) <= 0.0) | (sample.point.normal.dot(to) >= 0.0) {
+        if (here.normal.dot(to) <= 0.0) | (sample.point.normal.dot(to) >= 0.0) {
             return None;
         }
         let emitted = self.scene.primitives()[light].emission;
@@ -296,7 +321,7 @@ impl<'a> Radiance<'a> {
             Direct::Both(_, heuristic) => {
                 let density = here.surface.density(
                     self.technique.directions,
-                    here.point.normal,
+                    here.normal,
                     here.outgoing,
                     sample.direction,
                 );
@@ -306,11 +331,16 @@ impl<'a> Radiance<'a> {
         };
         let f = here
             .surface
-            .evaluate(here.point.normal, here.outgoing, sample.direction);
-        let cos = x.normal.dot(sample.direction);
+            .evaluate(here.normal, here.outgoing, sample.direction);
+        let cos = here.normal.dot(sample.direction);
         let arriving = f * emitted * (weight * cos / by_light);
         (arriving != DVec3::ZERO).then(|| {
-            let way = Way::new(x, &sample.point, to, sample.distance);
+            // Each end on its side: both were seen to face the other.
+            let LightSample {
+                point, distance, ..
+            } = sample;
+            let error = point.error + error_bound(distance);
+            let way = Way::new(here.origin, point.position + point.normal * error);
             (arriving, way)
         })
     }
@@ -321,22 +351,6 @@ impl<'a> Radiance<'a> {
 struct Path {
     radiance: DVec3,
     rays: u64,
-    /// A shadow ray that is still to be traced.
-    shadow: Option<Shadow>,
-}
-
-/// A shadow ray, and the light that comes along it if nothing stands between.
-struct Shadow {
-    light: DVec3,
-    way: Way,
-}
-
-impl Path {
-    #[inline]
-    fn add(&mut self, shadow: &Shadow, seen: bool) {
-        // Chosen, not branched to: whether a light is seen is hard to foretell.
-        self.radiance += DVec3::select(BVec3::splat(seen), shadow.light, DVec3::ZERO);
-    }
 }
 
 /// A ray of a path.
@@ -351,32 +365,55 @@ struct Step {
     density: Option<f64>,
 }
 
+impl Step {
+    /// The first of a path.
+    #[inline(always)]
+    fn first(ray: Ray) -> Self {
+        Self {
+            ray,
+            throughput: DVec3::ONE,
+            vertices: 0,
+            density: None,
+        }
+    }
+}
+
 /// A vertex of a path, seen from where the path came.
 #[derive(Clone, Copy)]
 struct Vertex<'a> {
-    /// With the normal on the side of `outgoing`.
-    point: SurfacePoint,
+    position: DVec3,
+    /// The normal on the side of `outgoing`.
+    normal: DVec3,
+    /// The position, moved to that side by no more than rounding makes
+    /// necessary: where rays start.
+    origin: DVec3,
     surface: &'a Surface,
     outgoing: DVec3,
     /// How many vertices there are up to here.
     vertices: u32,
-    /// The throughput that each ray starts with.
-    share: DVec3,
+    /// What radiance that leaves towards `outgoing` is worth at the start of
+    /// the path.
+    throughput: DVec3,
 }
 
 impl<'a> Vertex<'a> {
     #[inline]
-    fn new(point: &SurfacePoint, surface: &'a Surface, outgoing: DVec3, vertices: u32) -> Self {
-        let normal = point.normal;
+    fn new(
+        point: &SurfacePoint,
+        surface: &'a Surface,
+        outgoing: DVec3,
+        vertices: u32,
+        throughput: DVec3,
+    ) -> Self {
+        let normal = point.normal * 1.0_f64.copysign(point.normal.dot(outgoing));
         Self {
-            point: SurfacePoint {
-                normal: normal * 1.0_f64.copysign(normal.dot(outgoing)),
-                ..*point
-            },
+            position: point.position,
+            normal,
+            origin: point.position + normal * point.error,
             surface,
             outgoing,
             vertices,
-            share: DVec3::ZERO,
+            throughput,
         }
     }
 }
@@ -393,7 +430,16 @@ impl Along<'_> {
     /// estimator.
     #[must_use]
     pub fn rays(self) -> FromFn<impl Fn(&mut dyn Coordinates) -> f64> {
-        FromFn(move |mut u: &mut dyn Coordinates| self.radiance.trace(self.ray, &mut u).rays as f64)
+        FromFn(move |mut u: &mut dyn Coordinates| self.trace(&mut u).rays as f64)
+    }
+
+    #[inline]
+    fn trace<C: Coordinates>(&self, mut u: &mut C) -> Path {
+        if self.radiance.branches {
+            self.radiance.tree(self.ray, &mut u)
+        } else {
+            self.radiance.path(self.ray, u)
+        }
     }
 }
 
@@ -402,7 +448,7 @@ impl Estimator for Along<'_> {
 
     #[inline]
     fn estimate<C: Coordinates>(&self, u: &mut C) -> DVec3 {
-        self.radiance.trace(self.ray, u).radiance
+        self.trace(u).radiance
     }
 }
 
@@ -423,9 +469,13 @@ impl Seen<'_> {
     }
 
     #[inline]
-    fn trace<C: Coordinates>(&self, u: &mut C) -> Path {
+    fn trace<C: Coordinates>(&self, mut u: &mut C) -> Path {
         let [x, y] = u.next_2d();
-        self.radiance.trace(self.camera.ray(x, y), u)
+        if self.radiance.branches {
+            self.radiance.tree(self.camera.ray(x, y), &mut u)
+        } else {
+            self.radiance.path(self.camera.ray(x, y), u)
+        }
     }
 }
 

@@ -275,7 +275,7 @@ impl Scene {
     /// The distance to what the ray meets first, and its number.
     #[inline]
     pub(super) fn nearest(&self, ray: &Ray) -> Option<(f64, usize)> {
-        self.packed.nearest(ray, f64::INFINITY)
+        self.packed.nearest(ray)
     }
 
     /// V(x, y): whether nothing stands between the two points.
@@ -284,22 +284,20 @@ impl Scene {
     pub fn visible(&self, x: &SurfacePoint, y: &SurfacePoint) -> bool {
         let to = y.position - x.position;
         let length = to.length();
-        length == 0.0 || self.is_clear(&Way::new(x, y, to, length))
+        if length == 0.0 {
+            return true;
+        }
+        // Over a long way it is the way's rounding that might put y in its own
+        // shadow.
+        let error = y.error + error_bound(length);
+        let end = SurfacePoint { error, ..*y }.off_towards(-to);
+        self.is_clear(&Way::new(x.off_towards(to), end))
     }
 
     /// Whether nothing stands in the way.
     #[inline]
     pub(super) fn is_clear(&self, way: &Way) -> bool {
-        self.packed.nearest(&way.ray, way.length).is_none()
-    }
-
-    /// [`nearest`](Self::nearest), and whether the way is clear: both take
-    /// hardly longer than one of them.
-    #[inline]
-    pub(super) fn nearest_beside(&self, ray: &Ray, way: &Way) -> (Option<(f64, usize)>, bool) {
-        let rays = [(ray, f64::INFINITY), (&way.ray, way.length)];
-        let [nearest, between] = self.packed.each_nearest(rays);
-        (nearest, between.is_none())
+        !self.packed.meets_any(&way.ray, way.length)
     }
 
     /// Lₑ at a point of this primitive in the direction `outgoing`.
@@ -325,16 +323,10 @@ pub(super) struct Way {
 }
 
 impl Way {
-    /// From x to y, which are `length` > 0 apart in this direction.
-    #[inline]
-    pub(super) fn new(x: &SurfacePoint, y: &SurfacePoint, direction: DVec3, length: f64) -> Self {
-        // Over a long way it is the way's rounding that might put y in its own
-        // shadow.
-        let error = y.error + error_bound(length);
-        let y = SurfacePoint { error, ..*y };
-        let origin = x.off_towards(direction);
-        // Not the length that is known: the offsets are small, but they count.
-        let to = y.off_towards(-direction) - origin;
+    /// From here to there, which are not the same.
+    #[inline(always)]
+    pub(super) fn new(origin: DVec3, end: DVec3) -> Self {
+        let to = end - origin;
         let length = to.length();
         let direction = to * (1.0 / length);
         Self {

@@ -7,9 +7,6 @@ use super::Shape;
 use super::facet::Facet;
 use crate::render::Ray;
 
-/// A mask of all lanes.
-const ALL: f64x2 = f64x2::new([f64::from_bits(u64::MAX); LANES]);
-
 /// How many shapes are tried at once: what the vectors of any x86-64 or ARM
 /// processor hold.
 const LANES: usize = 2;
@@ -33,7 +30,7 @@ struct FacetPack {
     /// How much of a is added to b before it is held against 1: all in a
     /// triangle, none in a parallelogram.
     skew: f64x2,
-    index: f64x2,
+    index: [usize; LANES],
 }
 
 /// Spheres. A lane without one has a squared radius below 0, which no line
@@ -42,17 +39,7 @@ struct FacetPack {
 struct SpherePack {
     center: Vectors,
     square: f64x2,
-    index: f64x2,
-}
-
-/// A ray, and the nearest shape so far in each lane.
-struct Search {
-    origin: Vectors,
-    direction: Vectors,
-    distance: f64x2,
-    /// Its number, as the bits of a float: for vectors of one kind, and only
-    /// ever moved.
-    index: f64x2,
+    index: [usize; LANES],
 }
 
 impl Packed {
@@ -60,7 +47,6 @@ impl Packed {
         let mut facets = Vec::new();
         let mut spheres = Vec::new();
         for (index, shape) in shapes.enumerate() {
-            let index = f64::from_bits(index as u64);
             match shape {
                 Shape::Quad(s) => facets.push((s.facet, 0.0, index)),
                 Shape::Triangle(s) => facets.push((s.facet, 1.0, index)),
@@ -73,64 +59,74 @@ impl Packed {
         }
     }
 
-    /// The distance at which the ray first meets a shape, below `limit`, and
-    /// the number of that shape.
-    #[inline]
-    pub(in crate::render) fn nearest(&self, ray: &Ray, limit: f64) -> Option<(f64, usize)> {
-        let [nearest] = self.each_nearest([(ray, limit)]);
-        nearest
-    }
-
-    /// [`nearest`](Self::nearest) of several rays, which do not wait for each
-    /// other.
+    /// The distance at which the ray first meets a shape, and the number of that
+    /// shape.
     #[inline(always)]
-    pub(in crate::render) fn each_nearest<const N: usize>(
-        &self,
-        rays: [(&Ray, f64); N],
-    ) -> [Option<(f64, usize)>; N] {
-        let mut all = rays.map(|(ray, limit)| Search {
-            origin: Vectors::splat(ray.origin),
-            direction: Vectors::splat(ray.direction),
-            distance: f64x2::splat(limit),
-            index: f64x2::ZERO,
-        });
+    pub(in crate::render) fn nearest(&self, ray: &Ray) -> Option<(f64, usize)> {
+        let origin = Vectors::splat(ray.origin);
+        let direction = Vectors::splat(ray.direction);
+        let mut nearest = (f64::INFINITY, usize::MAX);
         for pack in &self.facets {
-            for s in &mut all {
-                let (distance, inside) = pack.meet(&s.origin, &s.direction);
-                s.take(distance, inside, pack.index);
-            }
+            let (distance, inside) = pack.meet(&origin, &direction);
+            let met = inside & ahead(distance, nearest.0);
+            take(&mut nearest, distance, met, &pack.index);
         }
         for pack in &self.spheres {
-            for s in &mut all {
-                let distance = pack.distance(&s.origin, &s.direction);
-                s.take(distance, ALL, pack.index);
+            if let Some(distance) = pack.distance(&origin, &direction) {
+                let met = ahead(distance, nearest.0);
+                take(&mut nearest, distance, met, &pack.index);
             }
         }
-        core::array::from_fn(|k| all[k].nearest(rays[k].1))
+        (nearest.0 < f64::INFINITY).then_some(nearest)
+    }
+
+    /// Whether a ray meets any shape below `limit`.
+    #[inline(always)]
+    pub(in crate::render) fn meets_any(&self, ray: &Ray, limit: f64) -> bool {
+        let origin = Vectors::splat(ray.origin);
+        let direction = Vectors::splat(ray.direction);
+        let facet = |pack: &FacetPack| {
+            let (distance, inside) = pack.meet(&origin, &direction);
+            is_any(inside & ahead(distance, limit))
+        };
+        let sphere = |pack: &SpherePack| {
+            let distance = pack.distance(&origin, &direction);
+            distance.is_some_and(|distance| is_any(ahead(distance, limit)))
+        };
+        self.facets.iter().any(facet) || self.spheres.iter().any(sphere)
     }
 }
 
-impl Search {
-    /// Takes those distances, of the lanes in `met`, that are positive and less
-    /// than what there is.
-    #[inline(always)]
-    fn take(&mut self, distance: f64x2, met: f64x2, index: f64x2) {
-        let nearer = met & distance.simd_gt(f64x2::ZERO) & distance.simd_lt(self.distance);
-        self.distance = nearer.select(distance, self.distance);
-        self.index = nearer.select(index, self.index);
-    }
+/// Which distances lie in (0, `limit`).
+#[inline(always)]
+fn ahead(distance: f64x2, limit: f64) -> f64x2 {
+    distance.simd_gt(f64x2::ZERO) & distance.simd_lt(f64x2::splat(limit))
+}
 
-    /// The nearer of the lanes, if it is nearer than `limit`.
-    #[inline(always)]
-    fn nearest(&self, limit: f64) -> Option<(f64, usize)> {
-        let [[d, e], [i, j]] = [self.distance.to_array(), self.index.to_array()];
-        let (distance, index) = if d <= e { (d, i) } else { (e, j) };
-        (distance < limit).then_some((distance, index.to_bits() as usize))
+/// Whether a mask has any lane.
+#[inline(always)]
+fn is_any(mask: f64x2) -> bool {
+    mask.to_bitmask() != 0
+}
+
+/// Takes the distances of the lanes in `met`, all nearer than `nearest`.
+#[inline(always)]
+fn take(nearest: &mut (f64, usize), distance: f64x2, met: f64x2, index: &[usize; LANES]) {
+    let met = met.to_bitmask();
+    if met == 0 {
+        return;
+    }
+    let [d, e] = distance.to_array();
+    if met & 1 != 0 {
+        *nearest = (d, index[0]);
+    }
+    if met & 2 != 0 && e < nearest.0 {
+        *nearest = (e, index[1]);
     }
 }
 
 impl FacetPack {
-    fn new(facets: &[(Facet, f64, f64)]) -> Self {
+    fn new(facets: &[(Facet, f64, usize)]) -> Self {
         let of = |part: fn(&Facet) -> DVec3| Vectors::new(facets.iter().map(|(f, ..)| part(f)));
         Self {
             corner: of(|f| f.outer),
@@ -138,7 +134,7 @@ impl FacetPack {
             dual_u: of(|f| f.dual_u),
             dual_v: of(|f| f.dual_v),
             skew: lanes(facets.iter().map(|f| f.1), 0.0),
-            index: lanes(facets.iter().map(|f| f.2), 0.0),
+            index: core::array::from_fn(|k| facets.get(k).map_or(0, |f| f.2)),
         }
     }
 
@@ -157,26 +153,31 @@ impl FacetPack {
 }
 
 impl SpherePack {
-    fn new(spheres: &[(DVec3, f64, f64)]) -> Self {
+    fn new(spheres: &[(DVec3, f64, usize)]) -> Self {
         Self {
             center: Vectors::new(spheres.iter().map(|s| s.0)),
             square: lanes(spheres.iter().map(|s| s.1), -1.0),
-            index: lanes(spheres.iter().map(|s| s.2), 0.0),
+            index: core::array::from_fn(|k| spheres.get(k).map_or(0, |s| s.2)),
         }
     }
 
-    /// Where the ray meets the spheres; negative or NaN where it does not.
+    /// Where the ray meets the spheres, if its line meets any; negative or NaN
+    /// where it does not.
     #[inline(always)]
-    fn distance(&self, origin: &Vectors, direction: &Vectors) -> f64x2 {
+    fn distance(&self, origin: &Vectors, direction: &Vectors) -> Option<f64x2> {
         let to = self.center.minus(origin);
         let b = to.dot(direction);
         let off = to.minus(&direction.times(b));
+        let square = self.square - off.dot(&off);
+        if !is_any(square.simd_ge(f64x2::ZERO)) {
+            return None;
+        }
         // NaN where the line passes by.
-        let root = (self.square - off.dot(&off)).sqrt();
+        let root = square.sqrt();
         // As Sphere::intersect: the sign of b, for a root that has none.
         let larger = b + (root | (b & f64x2::splat(-0.0)));
         let lesser = (to.dot(&to) - self.square) / larger;
-        lesser.simd_gt(f64x2::ZERO).select(lesser, larger)
+        Some(lesser.simd_gt(f64x2::ZERO).select(lesser, larger))
     }
 }
 
@@ -281,16 +282,24 @@ mod tests {
                 let limit = if i % 3 == 0 { 0.7 } else { f64::INFINITY };
                 let mut nearest = None;
                 for (index, shape) in shapes.iter().enumerate() {
-                    let alone = shape.intersect(&ray, limit);
-                    let packed = Packed::new([*shape].iter()).nearest(&ray, limit);
-                    assert_eq!(packed, alone.map(|d| (d, 0)), "{shape:?} {ray:?}");
-                    let so_far = nearest.map_or(limit, |(d, _)| d);
+                    let one = Packed::new([*shape].iter());
+                    let alone = shape.intersect(&ray, f64::INFINITY);
+                    assert_eq!(
+                        one.nearest(&ray),
+                        alone.map(|d| (d, 0)),
+                        "{shape:?} {ray:?}"
+                    );
+                    let meets = shape.intersect(&ray, limit).is_some();
+                    assert_eq!(one.meets_any(&ray, limit), meets, "{shape:?} {ray:?}");
+                    let so_far = nearest.map_or(f64::INFINITY, |(d, _)| d);
                     if let Some(d) = shape.intersect(&ray, so_far) {
                         nearest = Some((d, index));
                         met += 1;
                     }
                 }
-                assert_eq!(all.nearest(&ray, limit), nearest, "{ray:?}");
+                assert_eq!(all.nearest(&ray), nearest, "{ray:?}");
+                let below = nearest.is_some_and(|(d, _)| d < limit);
+                assert_eq!(all.meets_any(&ray, limit), below, "{ray:?}");
             }
         }
         assert!(met > 10_000, "{met}");
@@ -302,14 +311,14 @@ mod tests {
             origin: DVec3::ZERO,
             direction: DVec3::X,
         };
-        assert_eq!(Packed::new([].iter()).nearest(&ray, f64::INFINITY), None);
+        assert_eq!(Packed::new([].iter()).nearest(&ray), None);
         let lost = Ray {
             origin: DVec3::NAN,
             ..ray
         };
         let shape = Shape::from(Sphere::new(DVec3::ZERO, 1.0).unwrap());
         let room = Packed::new([shape].iter());
-        assert_eq!(room.nearest(&ray, f64::INFINITY), Some((1.0, 0)));
-        assert_eq!(room.nearest(&lost, f64::INFINITY), None);
+        assert_eq!(room.nearest(&ray), Some((1.0, 0)));
+        assert_eq!(room.nearest(&lost), None);
     }
 }
