@@ -1,15 +1,14 @@
 //! A mixture of normal densities, fitted to weighted points.
 
-use super::mixture::{Mixture, Part};
+use super::mixture::{Mixture, Part, Table};
+use crate::lanes::LANES;
 
 /// The most normal parts.
-const PARTS: usize = 8;
+const PARTS: usize = LANES;
 /// Steps of expectation and maximisation.
 const STEPS: usize = 6;
 /// A part with less of the weight is given up.
 const LEAST: f64 = 0.005;
-/// A point belongs to a part whose density is more than this much of all.
-const NOTHING: f64 = 1e-6;
 /// No part is narrower.
 const THINNEST: f64 = 1e-3;
 
@@ -38,13 +37,13 @@ pub(super) fn fit(
     if !(total > 0.0 && total.is_finite()) {
         return Mixture::even(dimension);
     }
-    let mut everywhere = Sums::about(&vec![0.5; dimension]);
+    let mut everywhere = Sums::about(dimension, &[]);
     for (x, w) in &chosen {
-        everywhere.push(x, w / total);
+        everywhere.push(x, &first(w / total));
     }
     // To begin with, parts are as wide as if they shared all there is evenly.
     let narrow = (PARTS as f64).powf(-2.0 / dimension as f64);
-    let diagonal = everywhere.moments().variances();
+    let diagonal = everywhere.moments(0).variances();
     let mut parts: Vec<Part> = far_apart(&chosen, &diagonal)
         .into_iter()
         .filter_map(|mean| {
@@ -53,22 +52,19 @@ pub(super) fn fit(
         })
         .collect();
     for step in 0..STEPS {
-        let mut sums: Vec<Sums> = parts.iter().map(|p| Sums::about(p.mean())).collect();
-        let mut each = vec![0.0; parts.len()];
+        let mut sums = Sums::about(dimension, &parts);
+        let table = Table::new(&parts);
         for (x, w) in &chosen {
-            for (each, part) in each.iter_mut().zip(&parts) {
-                *each = part.share() * part.density(x);
-            }
-            let sum: f64 = each.iter().sum();
-            for (sums, density) in sums.iter_mut().zip(&each) {
-                if *density > NOTHING * sum {
-                    sums.push(x, w / total * density / sum);
-                }
+            let mut weights = table.densities(x);
+            let sum: f64 = weights.iter().sum();
+            if sum > 0.0 {
+                weights.iter_mut().for_each(|each| *each *= w / total / sum);
+                sums.push(x, &weights);
             }
         }
         let factor = if step + 1 == STEPS { wider } else { 1.0 };
-        parts = (sums.into_iter())
-            .filter_map(|sums| sums.moments().part(&diagonal, factor))
+        parts = (0..parts.len())
+            .filter_map(|part| sums.moments(part).part(&diagonal, factor))
             .collect();
     }
     Mixture::new(dimension, even, parts)
@@ -125,62 +121,80 @@ fn lower(diagonal: &[f64]) -> Vec<f64> {
     .collect()
 }
 
-/// Sums over points of these weights, of x − c: Σ w, Σ w², Σ w x, Σ w xxᵀ.
+/// The first of several weights.
+fn first(w: f64) -> [f64; PARTS] {
+    let mut weights = [0.0; PARTS];
+    weights[0] = w;
+    weights
+}
+
+/// Sums over points, with a weight for each of several parts side by side, of x − c:
+/// Σ w, Σ w², Σ w x, Σ w xxᵀ.
 struct Sums {
-    centre: Vec<f64>,
-    weight: f64,
-    squares: f64,
-    first: Vec<f64>,
+    centre: Vec<[f64; PARTS]>,
+    weight: [f64; PARTS],
+    squares: [f64; PARTS],
+    first: Vec<[f64; PARTS]>,
     /// The lower triangle, by rows.
-    second: Vec<f64>,
-    away: Vec<f64>,
+    second: Vec<[f64; PARTS]>,
+    away: Vec<[f64; PARTS]>,
 }
 
 impl Sums {
-    fn about(centre: &[f64]) -> Self {
-        let d = centre.len();
+    /// c is the mean of each part, or the middle of the cube.
+    fn about(d: usize, parts: &[Part]) -> Self {
+        let mut centre = vec![[0.5; PARTS]; d];
+        for (lane, part) in parts.iter().enumerate() {
+            for (centre, mean) in centre.iter_mut().zip(part.mean()) {
+                centre[lane] = *mean;
+            }
+        }
         Self {
-            centre: centre.to_vec(),
-            weight: 0.0,
-            squares: 0.0,
-            first: vec![0.0; d],
-            second: vec![0.0; d * (d + 1) / 2],
-            away: vec![0.0; d],
+            centre,
+            weight: [0.0; PARTS],
+            squares: [0.0; PARTS],
+            first: vec![[0.0; PARTS]; d],
+            second: vec![[0.0; PARTS]; d * (d + 1) / 2],
+            away: vec![[0.0; PARTS]; d],
         }
     }
 
-    fn push(&mut self, x: &[f64], w: f64) {
-        self.weight += w;
-        self.squares += w * w;
-        let terms = self.away.iter_mut().zip(x).zip(&self.centre);
-        for (((away, x), c), first) in terms.zip(&mut self.first) {
-            *away = x - c;
-            *first += w * *away;
+    fn push(&mut self, x: &[f64], w: &[f64; PARTS]) {
+        for l in 0..PARTS {
+            self.weight[l] += w[l];
+            self.squares[l] += w[l] * w[l];
         }
-        let mut rest = &mut self.second[..];
-        for (i, a) in self.away.iter().enumerate() {
-            let (row, after) = rest.split_at_mut(i + 1);
-            for (sum, b) in row.iter_mut().zip(&self.away) {
-                *sum += w * a * b;
+        let mut second = self.second.iter_mut();
+        for (i, x) in x.iter().enumerate() {
+            let mut weighed = [0.0; PARTS];
+            for l in 0..PARTS {
+                self.away[i][l] = x - self.centre[i][l];
+                weighed[l] = w[l] * self.away[i][l];
+                self.first[i][l] += weighed[l];
             }
-            rest = after;
+            for (away, sum) in self.away[..=i].iter().zip(second.by_ref()) {
+                for l in 0..PARTS {
+                    sum[l] += weighed[l] * away[l];
+                }
+            }
         }
     }
 
-    fn moments(mut self) -> Moments {
-        self.first.iter_mut().for_each(|m| *m /= self.weight);
-        let (mut second, first) = (self.second.iter_mut(), &self.first);
+    fn moments(&self, part: usize) -> Moments {
+        let weight = self.weight[part];
+        let first: Vec<f64> = self.first.iter().map(|m| m[part] / weight).collect();
+        let mut second = self.second.iter();
+        let mut covariance = Vec::with_capacity(self.second.len());
         for (i, a) in first.iter().enumerate() {
-            for (sum, b) in second.by_ref().take(i + 1).zip(first) {
-                *sum = *sum / self.weight - a * b;
-            }
+            let row = second.by_ref().take(i + 1).zip(&first);
+            covariance.extend(row.map(|(sum, b)| sum[part] / weight - a * b));
         }
-        let mean = self.centre.iter().zip(first).map(|(c, m)| c + m);
+        let mean = self.centre.iter().zip(&first).map(|(c, m)| c[part] + m);
         Moments {
-            weight: self.weight,
-            effective: self.weight * self.weight / self.squares,
+            weight,
+            effective: weight * weight / self.squares[part],
             mean: mean.collect(),
-            covariance: self.second,
+            covariance,
         }
     }
 }

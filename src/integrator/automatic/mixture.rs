@@ -1,13 +1,11 @@
 //! Normal densities in the unit cube, and a share of points spread evenly.
 
+use crate::lanes::{LANES, exp};
 use crate::pdf::{Normal, Pdf};
 use crate::sampler::Coordinates;
 
 /// The most axes.
 pub(super) const MOST_AXES: usize = 24;
-
-/// Beyond so many variances a density is nothing beside points spread evenly.
-const FAR: f64 = 144.0;
 
 /// A point of the cube, or beyond it.
 pub(super) type Point = [f64; MOST_AXES];
@@ -23,6 +21,65 @@ pub(super) struct Mixture {
     dimension: usize,
     even: f64,
     parts: Vec<Part>,
+    table: Table,
+}
+
+/// What the densities of at most [`LANES`] parts take, side by side.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Table {
+    /// μᵢ and Lᵢⱼ, j ≤ i, row by row.
+    rows: Vec<[f64; LANES]>,
+    /// What eᶻ is multiplied by; 0 where there is no part.
+    heights: [f64; LANES],
+}
+
+impl Table {
+    /// Of the first parts, as many as there are lanes.
+    pub(super) fn new(parts: &[Part]) -> Self {
+        let d = parts.first().map_or(0, |part| part.mean.len());
+        let of = |f: &dyn Fn(&Part) -> f64| {
+            let mut lanes = [0.0; LANES];
+            for (lane, part) in lanes.iter_mut().zip(parts) {
+                *lane = f(part);
+            }
+            lanes
+        };
+        let mut rows = Vec::with_capacity(d * (d + 3) / 2);
+        for i in 0..d {
+            rows.push(of(&|part| part.mean[i]));
+            rows.extend((0..=i).map(|j| of(&|part| part.root[i * (i + 1) / 2 + j])));
+        }
+        let heights = of(&|part| part.share * part.height);
+        Self { rows, heights }
+    }
+
+    /// αₖ N(x; μₖ, Σₖ) of each part.
+    #[inline]
+    pub(super) fn densities(&self, x: &[f64]) -> [f64; LANES] {
+        let mut z = [[0.0; LANES]; MOST_AXES];
+        let (mut squares, mut rest) = ([0.0; LANES], &self.rows[..]);
+        for (i, x) in x.iter().enumerate().take(MOST_AXES) {
+            let Some((row, after)) = rest.split_at_checked(i + 2) else {
+                break;
+            };
+            let mut away = row[0].map(|mean| x - mean);
+            for (root, z) in row[1..].iter().zip(&z[..i]) {
+                for l in 0..LANES {
+                    away[l] -= root[l] * z[l];
+                }
+            }
+            for l in 0..LANES {
+                z[i][l] = away[l] * row[i + 1][l];
+                squares[l] += z[i][l] * z[i][l];
+            }
+            rest = after;
+        }
+        let mut densities = [0.0; LANES];
+        for l in 0..LANES {
+            densities[l] = self.heights[l] * exp(-0.5 * squares[l]);
+        }
+        densities
+    }
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -66,24 +123,6 @@ impl Part {
         })
     }
 
-    /// N(x; μ, Σ), taken for 0 beyond 12 standard deviations.
-    #[inline]
-    pub(super) fn density(&self, x: &[f64]) -> f64 {
-        let mut z = [0.0; MOST_AXES];
-        let (mut square, mut rest) = (0.0, &self.root[..]);
-        for (i, (x, mean)) in x.iter().zip(&self.mean).enumerate() {
-            let (row, after) = rest.split_at(i + 1);
-            let known: f64 = row[..i].iter().zip(&z).map(|(l, z)| l * z).sum();
-            z[i] = (x - mean - known) * row[i];
-            square += z[i] * z[i];
-            if square > FAR {
-                return 0.0;
-            }
-            rest = after;
-        }
-        self.height * (-0.5 * square).exp()
-    }
-
     /// μ + Lz
     fn place(&self, z: &[f64]) -> Point {
         let (mut x, mut row) = ([0.0; MOST_AXES], 0);
@@ -99,23 +138,21 @@ impl Part {
     pub(super) fn mean(&self) -> &[f64] {
         &self.mean
     }
-
-    pub(super) const fn share(&self) -> f64 {
-        self.share
-    }
 }
 
 impl Mixture {
     /// All points spread evenly.
-    pub(super) const fn even(dimension: usize) -> Self {
+    pub(super) fn even(dimension: usize) -> Self {
         Self {
             dimension,
             even: 1.0,
             parts: Vec::new(),
+            table: Table::default(),
         }
     }
 
-    /// `even` of the points spread evenly, the others by the shares of the parts.
+    /// `even` of the points spread evenly, the others by the shares of the parts, of
+    /// which there are at most [`LANES`].
     pub(super) fn new(dimension: usize, even: f64, mut parts: Vec<Part>) -> Self {
         let total: f64 = parts.iter().map(|part| part.share).sum();
         if !(total > 0.0 && total.is_finite()) {
@@ -127,6 +164,7 @@ impl Mixture {
         Self {
             dimension,
             even,
+            table: Table::new(&parts),
             parts,
         }
     }
@@ -142,8 +180,7 @@ impl Mixture {
     /// q(x) in the cube.
     #[inline]
     pub(super) fn density(&self, x: &[f64]) -> f64 {
-        let parts = self.parts.iter().map(|part| part.share * part.density(x));
-        self.even + parts.sum::<f64>()
+        self.even + self.table.densities(x).iter().sum::<f64>()
     }
 
     /// A point with density q, from one coordinate more than it has; `None` where
