@@ -368,6 +368,35 @@ mod tests {
     }
 
     #[test]
+    fn one_net_is_better_than_eight_and_its_bar_no_longer() {
+        use crate::integrator::RandomizedQmc;
+        let f: F = |[x, y]| (x * y).exp();
+        // Σ 1/(k! (k + 1)²)
+        let terms = (0..20).scan(1.0, |factorial, k| {
+            *factorial *= f64::from(k.max(1));
+            Some(1.0 / (*factorial * f64::from((k + 1) * (k + 1))))
+        });
+        let exact: f64 = terms.sum();
+        let [mut long, mut short] = [[0.0; 2]; 2];
+        for seed in 0..40 {
+            let net = Sobol::new(2).unwrap().scrambled(Owen, seed);
+            let estimator = Importance::new(f, UnitCube::<2>);
+            let stop = Stop::samples(1 << 11);
+            let mut eight = RandomizedQmc::new(estimator, net.clone(), 8).unwrap();
+            let mut one = LongNet::new(estimator, net);
+            let of_eight = run(&mut eight, &Serial, &stop).unwrap().answer;
+            let of_one = run(&mut one, &Serial, &stop).unwrap().answer;
+            for (sums, e) in [(&mut short, of_eight), (&mut long, of_one)] {
+                sums[0] += (e.mean - exact).powi(2);
+                sums[1] += e.standard_error.powi(2);
+            }
+        }
+        // An eighth of the error, the same bar: 40 seeds tell both to a fifth or so.
+        assert!(long[0] < short[0] / 16.0, "{long:?} {short:?}");
+        assert!(long[1] < 2.0 * short[1] && long[1] > long[0]);
+    }
+
+    #[test]
     fn budgets_in_between_are_left_or_taken_in_parts() {
         let f: F = |[x, y]| f64::from(x + y < 0.7);
         let spent = |in_parts| {

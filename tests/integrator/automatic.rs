@@ -6,6 +6,7 @@ use core::sync::atomic::{AtomicU64, Ordering};
 use crate::support::significance::{assert_plausible, assert_rejected};
 use estimand::estimate::ErrorSource;
 use estimand::integrator::{AutomaticError, AutomaticEstimate, Method, Why};
+use estimand::pdf::{CuboidError, IntervalError};
 use estimand::prelude::*;
 use estimand::verify::coverage;
 
@@ -117,6 +118,21 @@ fn peaks_are_found_in_eight_dimensions() {
             (e.mean - exact).abs() < 6.0 * e.standard_error + 1e-5 * exact,
             "{e}"
         );
+    }
+}
+
+/// Squares are not integrable, and yet nothing is left of the poles but rounding.
+#[test]
+fn powers_at_faces_are_taken_away() {
+    let f = |[x, y, z]: [f64; 3]| x.powf(-0.5) * (1.0 - y).powf(-0.75) * z.exp();
+    let exact = 8.0 * 1_f64.exp_m1();
+    for seed in 0..3 {
+        let e = of(f, seed, 100_000);
+        assert!((e.mean / exact - 1.0).abs() < 1e-8, "{e} {exact}");
+        assert_eq!(e.choice.as_ref().unwrap().stretched, [0, 1]);
+        // A pole inside is none of them.
+        let inside = |x: [f64; 3]| (x[0] - 0.3).abs().powf(-0.5);
+        assert_eq!(of(inside, seed, 20_000).choice.unwrap().stretched, []);
     }
 }
 
@@ -240,6 +256,12 @@ fn refuses_what_is_not_a_dimension() {
         let refused = integrate_dyn(sum, &ranges, &Stop::samples(1_000));
         assert!(matches!(refused, Err(RunError::Dimension(d)) if d == dimension));
     }
+    let ranges = [0.0..1.0, 2.0..2.0];
+    let refused = integrate_dyn(sum, &ranges, &Stop::samples(1_000));
+    let empty = IntervalError::Empty(2.0, 2.0);
+    let is_second =
+        |e| matches!(e, RunError::Domain(CuboidError::Axis { axis: 1, error }) if error == empty);
+    assert!(refused.is_err_and(is_second));
     let most = vec![Interval::unit(); 1000];
     let sum = integrate_dyn(sum, &most, &Stop::samples(20_000));
     assert!((sum.unwrap().answer.mean - 500.0).abs() < 1.0);

@@ -6,8 +6,9 @@ use super::by::Wide;
 use super::choice::{Choice, Method, Promise, Why};
 use super::engine::Engine;
 use super::findings::{
-    APART, BEYOND_MAP, BEYOND_STRATA, CUBATURE, EFFECTIVE, FAR, FEWEST, MEANT, MET, PEAKED, POLES,
-    ROUNDS_MORE, SHARP, STRATA, Shares, Stage, TEACH, TEACH_PEAKS, TEACHING, TELLING, UNLIKE,
+    APART, BELOW_MAP, BEYOND_MAP, BEYOND_STRATA, CUBATURE, EFFECTIVE, FAR, FEWEST, MEANT, MET,
+    PEAKED, POLES, ROUNDS_MORE, SHARP, STRATA, Shares, Stage, TEACH, TEACH_PEAKS, TEACHING,
+    TELLING, UNLIKE,
 };
 use super::promise::layout;
 use crate::estimate::{Estimate, Moments};
@@ -32,7 +33,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         let most = even.max(mapped).max(peaks);
         // What has few effective points has not met all that those of another have.
         let peaked = self.is_peaked();
-        let met = if peaked { 1.0 } else { MET };
+        let (met, below) = if peaked { (1.0, BELOW_MAP) } else { (MET, 1.0) };
         let alike = self.is_alike();
         let settled = self.findings.boxes.as_ref().is_some_and(Boxes::is_settled);
         let unmet = |share: f64| (most / (met * share)).max(1.0).powi(2);
@@ -51,8 +52,8 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
                 Method::Strata => size * STRATA * unmet(mapped),
                 Method::Peaks => size * unmet(peaks),
                 // A net is no worse than independent points.
-                Method::Net => size.min(plain) * unmet(even),
-                Method::Plain => size * unmet(even),
+                Method::Net => size.min(plain) * below * unmet(even),
+                Method::Plain => size * below * unmet(even),
                 Method::Cubature if settled => -1.0,
                 Method::Cubature => size * CUBATURE,
             }

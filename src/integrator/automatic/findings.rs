@@ -165,6 +165,9 @@ pub(super) const MET: f64 = 2.0;
 /// A map that does as well is better than peaks: so many times more of the samples on
 /// these have to be effective.
 pub(super) const BEYOND_MAP: f64 = 1.5;
+/// Of few values different from 0, nets as they are promise too much beside a map, which
+/// did better on all shells and balls that this was chosen on.
+pub(super) const BELOW_MAP: f64 = 3.0;
 /// What was found are no peaks if fewer of the samples on them are effective.
 pub(super) const TELLING: f64 = 0.03;
 /// Values are nearly alike if no more of them are not effective.

@@ -160,9 +160,9 @@ impl Sums {
     }
 
     fn push(&mut self, x: &[f64], w: &[f64; PARTS]) {
-        for l in 0..PARTS {
-            self.weight[l] += w[l];
-            self.squares[l] += w[l] * w[l];
+        for ((weight, squares), w) in self.weight.iter_mut().zip(&mut self.squares).zip(w) {
+            *weight += w;
+            *squares += w * w;
         }
         let mut second = self.second.iter_mut();
         for (i, x) in x.iter().enumerate() {

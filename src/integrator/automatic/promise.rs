@@ -16,10 +16,10 @@ impl Prior {
         rate: 0.9,
         spread: 0.25,
     };
-    /// Where few points are different from 0.
+    /// Where few points are different from 0, which tell little.
     pub(super) const PEAKED: Self = Self {
         rate: 0.6,
-        ..Self::USUAL
+        spread: 0.1,
     };
 
     /// As that of another net on the same integrand.
