@@ -30,11 +30,29 @@ pub struct Ranges {
     ends: Vec<f64>,
 }
 
-/// The strata that have the same place along an axis.
+/// The strata that have the same place along an axis, behind a map.
 pub(super) struct Slab {
-    /// How wide they are behind a map, over how wide before it; and that at both ends.
-    pub(super) width: f64,
-    pub(super) ends: [f64; 2],
+    /// The least and the most that the map weighs values by, and the first and the last.
+    weights: [f64; 2],
+    ends: [f64; 2],
+}
+
+impl Slab {
+    /// With these weights, in order.
+    pub(super) fn of(weights: impl Iterator<Item = f64> + Clone) -> Self {
+        let first = weights.clone().next().unwrap_or(1.0);
+        let of = |f: fn(f64, f64) -> f64| weights.clone().fold(first, f);
+        Self {
+            weights: [of(f64::min), of(f64::max)],
+            ends: [first, of(|_, last| last)],
+        }
+    }
+
+    /// Where f lies, if a value, which is f times a weight, lies in [low, high].
+    fn unweighed(&self, [low, high]: [f64; 2]) -> [f64; 2] {
+        let [a, b] = self.weights;
+        [(low / a).min(low / b), (high / a).max(high / b)]
+    }
 }
 
 impl Ranges {
@@ -53,9 +71,9 @@ impl Ranges {
     /// The most that a jump across one of the axes, unseen by all strata that it goes
     /// through, may add to the variance of Σ ȳₘ.
     ///
-    /// `widths` has the widths of the strata along each axis, whose order is
-    /// row-major. Values are f times a width, and so differ where widths do: it is f
-    /// that is compared.
+    /// `axes` has the slabs of each axis, the order of strata is row-major. Values are f
+    /// times the weight of a map, and differ where that does: it is f that is compared,
+    /// and the weight is that of the slab at the side of the jump.
     pub(super) fn largest_jump<C: Components>(
         &self,
         axes: &[Vec<Slab>],
@@ -90,8 +108,7 @@ impl Ranges {
         for first in (0..strata).filter(|m| m % row < stride) {
             let at = |j: usize| {
                 let ends = &self.ends[2 * C::COUNT * (first + j * stride)..];
-                let width = slabs[j].width;
-                [ends[k] / width, ends[C::COUNT + k] / width]
+                slabs[j].unweighed([ends[k], ends[C::COUNT + k]])
             };
             let gap = gap(at(j - 1), at(j));
             if gap > 0.0 {
@@ -135,13 +152,13 @@ mod tests {
     /// Strata of one width, with these values and five samples each, in rows of
     /// `counts`.
     fn largest(counts: &[usize], strata: &[[f64; 2]]) -> f64 {
-        let even = |n: &usize| (0..*n).map(|_| slab(1.0, [1.0; 2])).collect();
+        let even = |n: &usize| (0..*n).map(|_| slab(&[1.0])).collect();
         let axes: Vec<Vec<Slab>> = counts.iter().map(even).collect();
         of(&axes, strata)
     }
 
-    fn slab(width: f64, ends: [f64; 2]) -> Slab {
-        Slab { width, ends }
+    fn slab(weights: &[f64]) -> Slab {
+        Slab::of(weights.iter().copied())
     }
 
     fn of(axes: &[Vec<Slab>], strata: &[[f64; 2]]) -> f64 {
@@ -203,13 +220,17 @@ mod tests {
         assert_eq!(largest(&[3, 2], &turned([apart, seen])), 0.0);
     }
 
-    /// f = 1 everywhere, behind strata of other widths; and f = 3 in the wide one.
+    /// f = 1 everywhere, behind slabs of other weights; and f = 3 in the heavy one.
     #[test]
-    fn widths_are_no_jumps() {
-        let axis = || vec![slab(0.5, [0.5; 2]), slab(2.0, [1.0, 4.0])];
-        assert_eq!(of(&[axis()], &[[0.5, 0.5], [2.0, 2.0]]), 0.0);
-        let jump = of(&[axis()], &[[0.5, 0.5], [6.0, 6.0]]);
-        // As much as the wide one has where it begins.
+    fn weights_are_no_jumps() {
+        let axis = || vec![slab(&[0.5]), slab(&[1.0, 4.0])];
+        assert_eq!(of(&[axis()], &[[0.5, 0.5], [1.0, 4.0]]), 0.0);
+        // Whatever the weights that were met.
+        assert_eq!(of(&[axis()], &[[0.5, 0.5], [4.0, 4.0]]), 0.0);
+        let jump = of(&[axis()], &[[0.5, 0.5], [12.0, 12.0]]);
+        // From 1 to 3 at least, with the weight that the heavy one has where it begins.
+        assert!((jump / (4.0 * FIVE) - 1.0).abs() < 1e-12);
+        let jump = of(&[axis()], &[[-0.5, -0.5], [-12.0, -12.0]]);
         assert!((jump / (4.0 * FIVE) - 1.0).abs() < 1e-12);
     }
 }

@@ -275,6 +275,29 @@ fn what_is_wrong_is_doubted() {
     );
 }
 
+/// In one dimension all that VEGAS+ leaves of a jump lies in one stratum. Where samples
+/// on both sides have seen it, the interval is right; where not, neighbours tell.
+#[test]
+fn a_jump_that_vegas_has_not_seen_is_doubted() {
+    let exact = 5.0 * 0.3172 + 0.3172_f64.powi(2) / 2.0 + 0.6828;
+    let f = |[x]: [f64; 1]| if x > 0.3172 { 1.0 } else { 5.0 + x };
+    let [mut all, mut trusted, mut right] = [0; 3];
+    for seed in 0..SEEDS {
+        let e = vegas(f, seed, 10_000);
+        let covered = covers(e.interval(0.95).unwrap(), exact);
+        all += u64::from(covered);
+        if e.diagnosis().is_trusted() {
+            trusted += 1;
+            right += u64::from(covered);
+        }
+    }
+    println!("{all} of {SEEDS} cover, {right} of the {trusted} that are trusted");
+    assert_plausible(binomial(right, trusted, 0.95), "trusted intervals");
+    assert_rejected(binomial(all, SEEDS, 0.95), "all intervals");
+    // Neither is all of it doubted.
+    assert!(10 * trusted > SEEDS, "{trusted}");
+}
+
 fn covers(range: ConfidenceInterval<f64>, exact: f64) -> bool {
     assert!(range.low <= range.high, "{range:?}");
     range.low <= exact && exact <= range.high

@@ -350,21 +350,12 @@ impl<E: TryEstimator> Vegas<E> {
     fn look_for_jumps(&mut self, ranges: &Ranges, samples: u64) {
         let counts = (0..).zip(self.strata.counts());
         let slabs = counts.map(|(axis, &n)| {
-            let n = n as f64;
-            let at = |u: f64| {
-                self.mapped
-                    .grid
-                    .warp(axis, u.clamp(0.0, 1.0 - f64::EPSILON))
-            };
-            let slab = |i: f64| {
-                // A cell that ends with the slab is inside.
-                let [a, b] = [at(i / n), at((i + 1.0) / n - f64::EPSILON)];
-                Slab {
-                    width: (b.x - a.x) * n,
-                    ends: [a.width, b.width],
-                }
-            };
-            (0..n as u64).map(|i| slab(i as f64)).collect()
+            let (edges, n) = (self.mapped.grid.edges(axis), n as usize);
+            let cells = edges.len() - 1;
+            // Those that lie in the slab or reach into it.
+            let of = |i| i * cells / n..=((i + 1) * cells - 1) / n;
+            let width = |i: usize| (edges[i + 1] - edges[i]) * cells as f64;
+            (0..n).map(|i| Slab::of(of(i).map(width))).collect()
         });
         let slabs: Vec<Vec<Slab>> = slabs.collect();
         let jump: <E::Value as Value>::Components =
