@@ -14,7 +14,7 @@
 //! peer, method, integral, dimension, budget, seed, estimate, error, evaluations,
 //! processor seconds. What is not installed is left out.
 //!
-//! `--full` takes all 29 integrals, 10⁴ to 10⁶ evaluations and 20 seeds. Writes
+//! `--full` takes all 29 integrals, 10⁴ to 10⁶ evaluations and 10 seeds. Writes
 //! `target/peers.svg`, `.csv` and `.md`; `--only=gauss_5,disc_2` takes these. `--vegas` sets VEGAS+ alone beside vegas, at
 //! equal evaluations, and writes `target/vegas.md`. One thread.
 
@@ -74,9 +74,9 @@ const SMALL: Effort = Effort {
 const FULL: Effort = Effort {
     integrals: &[],
     budgets: &[10_000, 100_000, 1_000_000],
-    seeds: 20,
+    seeds: 10,
     most: 8,
-    rounds: 5,
+    rounds: 3,
 };
 
 fn main() -> Outcome<()> {
