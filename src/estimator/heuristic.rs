@@ -100,7 +100,7 @@ impl Heuristic {
     /// qᵢ/wᵢ = qᵢ Σ (qₖ/qᵢ)ᵝ, by which the value of a sample of technique `i` is
     /// divided; NaN where qᵢ is not positive and finite, ∞ where the weight is 0.
     #[inline]
-    pub(super) fn divisor<const N: usize>(self, i: usize, q: [f64; N]) -> f64 {
+    pub(crate) fn divisor<const N: usize>(self, i: usize, q: [f64; N]) -> f64 {
         let own = q[i];
         if !(own > 0.0 && own < f64::INFINITY) {
             return f64::NAN;

@@ -75,6 +75,24 @@ pub fn solid_angle_density(area_density: f64, to_point: DVec3, normal: DVec3) ->
     area_density * square * square.sqrt() / normal.dot(to_point).abs()
 }
 
+/// The density with which a point was drawn.
+pub(super) enum Drawn {
+    ByArea(f64),
+    BySolidAngle(f64),
+}
+
+impl Drawn {
+    /// The same per steradian, for a point at x′, n · (x′ − x) being `facing`.
+    #[inline(always)]
+    pub(super) fn per_steradian(self, distance: f64, facing: f64) -> f64 {
+        match self {
+            Self::BySolidAngle(density) => density,
+            // solid_angle_density, with what is known already
+            Self::ByArea(density) => density * (distance * distance * distance) / facing.abs(),
+        }
+    }
+}
+
 impl Scene {
     /// A point of the light that is primitive number `primitive`, drawn at u,
     /// as seen from `from`.
@@ -106,41 +124,43 @@ impl Scene {
         from: DVec3,
         u: [f64; 2],
     ) -> LightSample {
+        let (point, density) = self.draw(primitive, points, from, u);
+        let to = point.position - from;
+        let distance = to.length();
+        if distance == 0.0 {
+            return LightSample {
+                point,
+                direction: DVec3::ZERO,
+                distance,
+                density: f64::INFINITY,
+            };
+        }
+        LightSample {
+            point,
+            direction: to * (1.0 / distance),
+            distance,
+            density: density.per_steradian(distance, point.normal.dot(to)),
+        }
+    }
+
+    /// The point alone.
+    #[inline(always)]
+    pub(super) fn draw(
+        &self,
+        primitive: usize,
+        points: LightPoints,
+        from: DVec3,
+        u: [f64; 2],
+    ) -> (SurfacePoint, Drawn) {
         let shape = &self.primitives()[primitive].shape;
         if let (LightPoints::SolidAngle, Shape::Sphere(sphere)) = (points, shape)
             && let Some(cone) = sphere.cone_from(from)
         {
             let Sample { point, density } = cone.sample(u);
-            let to = point.position - from;
-            let distance = to.length();
-            return LightSample {
-                point,
-                direction: to * (1.0 / distance),
-                distance,
-                density,
-            };
+            return (point, Drawn::BySolidAngle(density));
         }
         let Sample { point, density } = shape.sample(u);
-        let to = point.position - from;
-        let square = to.length_squared();
-        if square == 0.0 {
-            return LightSample {
-                point,
-                direction: DVec3::ZERO,
-                distance: 0.0,
-                density: f64::INFINITY,
-            };
-        }
-        let distance = square.sqrt();
-        let direction = to * (1.0 / distance);
-        // solid_angle_density, with what is known already
-        let density = density * square * distance / point.normal.dot(to).abs();
-        LightSample {
-            point,
-            direction,
-            distance,
-            density,
-        }
+        (point, Drawn::ByArea(density))
     }
 
     /// The density, per steradian, with which [`sample_light`](Self::sample_light)

@@ -1,12 +1,12 @@
 //! The rendering equation's estimator.
 
-use glam::{BVec3, DVec3};
+use glam::DVec3;
 
 use super::scene::Way;
 use super::shape::error_bound;
 use super::{
-    Camera, Choice, Direct, Layout, LightSample, Lights, Primitive, Ray, Scene, Surface,
-    SurfacePoint, Technique, TechniqueError,
+    Camera, Choice, Direct, Layout, Lights, Primitive, Ray, Scene, Surface, SurfacePoint,
+    Technique, TechniqueError,
 };
 use crate::estimator::{Estimator, FromFn};
 use crate::pdf::{Discrete, Pdf};
@@ -100,8 +100,8 @@ impl<'a> Radiance<'a> {
     // What a vertex takes is `inline(always)`, here and in the shapes: a program
     // with several samplers would call what does not depend on them, and hand
     // vectors over through memory, which takes a fifth of the time. For the same
-    // reason a path is not a tree without branches: what may be kept lies in
-    // memory, what cannot be stays in registers.
+    // reason a path is not a tree without branches: a vertex that may be kept lies
+    // in memory.
     #[inline(always)]
     fn path<C: Coordinates>(&self, ray: Ray, u: &mut C) -> Path {
         let mut path = Path::default();
@@ -291,9 +291,9 @@ impl<'a> Radiance<'a> {
     ) {
         if let Some((light, way)) = self.light(here, lights, light, u) {
             path.rays += 1;
-            // Chosen, not branched to: whether a light is seen is hard to foretell.
-            let seen = BVec3::splat(self.scene.is_clear(&way));
-            path.radiance += DVec3::select(seen, here.throughput * light, DVec3::ZERO);
+            if self.scene.is_clear(&way) {
+                path.radiance += here.throughput * light;
+            }
         }
     }
 
@@ -306,40 +306,39 @@ impl<'a> Radiance<'a> {
         light: usize,
         u: &mut C,
     ) -> Option<(DVec3, Way)> {
-        let x = here.position;
-        let sample = self
+        let (point, drawn) = self
             .scene
-            .sample_light(light, lights.points, x, u.next_2d());
-        let to = sample.point.position - x;
+            .draw(light, lights.points, here.position, u.next_2d());
+        let to = point.position - here.position;
+        let (leaving, facing) = (here.normal.dot(to), point.normal.dot(to));
         // Hard to foretell: one branch for both, before any root is taken.
-        if (here.normal.dot(to) <= 0.0) | (sample.point.normal.dot(to) >= 0.0) {
+        if (leaving <= 0.0) | (facing >= 0.0) {
             return None;
         }
+        let distance = to.length();
+        let inverse = 1.0 / distance;
+        let cos = leaving * inverse;
+        let (f, density) = here.surface.towards(
+            self.technique.directions,
+            here.normal,
+            here.outgoing,
+            to * inverse,
+            cos,
+        );
         let emitted = self.scene.primitives()[light].emission;
-        let by_light = lights.expected(self.scene, light) * sample.density;
-        let weight = match self.technique.direct {
+        let by_light = lights.expected(self.scene, light) * drawn.per_steradian(distance, facing);
+        let divisor = match self.technique.direct {
             Direct::Both(_, heuristic) => {
-                let density = here.surface.density(
-                    self.technique.directions,
-                    here.normal,
-                    here.outgoing,
-                    sample.direction,
-                );
-                heuristic.weight(by_light, f64::from(self.rays) * density)
+                heuristic.divisor(0, [by_light, f64::from(self.rays) * density])
             }
-            _ => 1.0,
+            _ => by_light,
         };
-        let f = here
-            .surface
-            .evaluate(here.normal, here.outgoing, sample.direction);
-        let cos = here.normal.dot(sample.direction);
-        let arriving = f * emitted * (weight * cos / by_light);
-        (arriving != DVec3::ZERO).then(|| {
-            // Each end on its side: both were seen to face the other.
-            let LightSample {
-                point, distance, ..
-            } = sample;
-            let error = point.error + error_bound(distance);
+        let arriving = f * emitted * (cos / divisor);
+        // Seen from its very edge, a light has an infinite density.
+        (by_light < f64::INFINITY && arriving != DVec3::ZERO).then(|| {
+            // Each end on its side: both were seen to face the other. The sum is
+            // more than the distance, and known before it.
+            let error = point.error + error_bound(to.abs().element_sum());
             let way = Way::new(here.origin, point.position + point.normal * error);
             (arriving, way)
         })
@@ -471,6 +470,7 @@ impl Seen<'_> {
     #[inline]
     fn trace<C: Coordinates>(&self, mut u: &mut C) -> Path {
         let [x, y] = u.next_2d();
+        // A ray for each: one that is handed to `tree` lies in memory.
         if self.radiance.branches {
             self.radiance.tree(self.camera.ray(x, y), &mut u)
         } else {

@@ -42,6 +42,8 @@ pub struct Surface {
     total: DVec3,
     /// The chance that a path takes the mirror.
     mirror_chance: f64,
+    /// k_d over the chance that it does not.
+    weight: DVec3,
 }
 
 /// The lobe about the mirror image.
@@ -85,6 +87,7 @@ impl Surface {
             mirror: DVec3::ZERO,
             total: DVec3::ZERO,
             mirror_chance: 0.0,
+            weight: DVec3::ZERO,
         }
     }
 
@@ -162,6 +165,7 @@ impl Surface {
                 0.0
             }
         };
+        let mirror_chance = chance(m, d + s);
         Ok(Self {
             diffuse,
             glossy: (s > 0.0).then(|| Glossy {
@@ -171,7 +175,12 @@ impl Surface {
             }),
             mirror,
             total,
-            mirror_chance: chance(m, d + s),
+            mirror_chance,
+            weight: if mirror_chance < 1.0 {
+                diffuse / (1.0 - mirror_chance)
+            } else {
+                DVec3::ZERO
+            },
         })
     }
 
@@ -203,11 +212,7 @@ impl Surface {
         if normal.dot(incoming) <= 0.0 || normal.dot(outgoing) <= 0.0 {
             return DVec3::ZERO;
         }
-        let diffuse = self.diffuse * FRAC_1_PI;
-        match &self.glossy {
-            None => diffuse,
-            Some(g) => diffuse + g.scale * g.density(normal, outgoing, incoming),
-        }
+        self.value(self.lobe(normal, outgoing, incoming))
     }
 
     /// The density with which [`scatter`](Self::scatter) takes the direction
@@ -226,12 +231,47 @@ impl Surface {
         if cos <= 0.0 {
             return 0.0;
         }
+        self.probability(directions, cos, self.lobe(normal, outgoing, incoming))
+    }
+
+    /// [`evaluate`](Self::evaluate) and [`density`](Self::density), where both
+    /// directions lie above the surface and the cosine of ωᵢ is known.
+    #[inline(always)]
+    pub(super) fn towards(
+        &self,
+        directions: Directions,
+        normal: DVec3,
+        outgoing: DVec3,
+        incoming: DVec3,
+        cos: f64,
+    ) -> (DVec3, f64) {
+        let lobe = self.lobe(normal, outgoing, incoming);
+        (self.value(lobe), self.probability(directions, cos, lobe))
+    }
+
+    /// The density of the lobe.
+    #[inline(always)]
+    fn lobe(&self, normal: DVec3, outgoing: DVec3, incoming: DVec3) -> f64 {
+        match &self.glossy {
+            None => 0.0,
+            Some(g) => g.density([normal, outgoing, incoming]),
+        }
+    }
+
+    #[inline(always)]
+    fn value(&self, lobe: f64) -> DVec3 {
+        let diffuse = self.diffuse * FRAC_1_PI;
+        match &self.glossy {
+            None => diffuse,
+            Some(g) => diffuse + g.scale * lobe,
+        }
+    }
+
+    #[inline(always)]
+    fn probability(&self, directions: Directions, cos: f64, lobe: f64) -> f64 {
         let p = match (directions, &self.glossy) {
             (Directions::Uniform, _) => FRAC_1_PI * 0.5,
-            (Directions::Surface, Some(g)) => {
-                let lobe = g.density(normal, outgoing, incoming);
-                g.chance * lobe + (1.0 - g.chance) * FRAC_1_PI * cos
-            }
+            (Directions::Surface, Some(g)) => g.chance * lobe + (1.0 - g.chance) * FRAC_1_PI * cos,
             _ => FRAC_1_PI * cos,
         };
         (1.0 - self.mirror_chance) * p
@@ -271,7 +311,7 @@ impl Surface {
                 let Sample { point, density } = CosineHemisphere.sample(xi);
                 return Scatter {
                     direction: about(normal, point),
-                    weight: self.diffuse / rest,
+                    weight: self.weight,
                     density: Some(rest * density),
                 };
             }
@@ -291,7 +331,7 @@ impl Surface {
 impl Glossy {
     /// Out of line: most surfaces have no lobe.
     #[inline(never)]
-    fn density(&self, normal: DVec3, outgoing: DVec3, incoming: DVec3) -> f64 {
+    fn density(&self, [normal, outgoing, incoming]: [DVec3; 3]) -> f64 {
         let frame = Frame::new(reflect(normal, outgoing));
         self.pdf.density(&frame.local(incoming))
     }

@@ -194,21 +194,29 @@ impl Tiles {
             let failure = draw(pixel, self.block(pixel), &mut moments).err();
             pixels.push(moments);
             if failure.is_some() {
-                return ControlFlow::Break(FilmPartial { pixels, failure });
+                let tiles = vec![pixels];
+                return ControlFlow::Break(FilmPartial { tiles, failure });
             }
         }
-        let failure = None;
-        ControlFlow::Continue(FilmPartial { pixels, failure })
+        ControlFlow::Continue(FilmPartial {
+            tiles: vec![pixels],
+            failure: None,
+        })
     }
 
     /// Takes in the first tiles of the planned pass. The last pixel of one
     /// that failed is not done.
     pub(super) fn absorb<E>(&mut self, pass: &FilmPartial<E>) {
-        for (pixel, new) in self.pixels[self.done..].iter_mut().zip(&pass.pixels) {
+        let mut reached = self.done;
+        for (pixel, new) in self.pixels[self.done..]
+            .iter_mut()
+            .zip(pass.tiles.iter().flatten())
+        {
             self.drawn += drawn(new);
             pixel.merge(*new);
+            reached += 1;
         }
-        self.done += pass.pixels.len() - usize::from(pass.failure.is_some());
+        self.done = reached - usize::from(pass.failure.is_some());
     }
 
     /// Makes shares of what was found, and forgets it:
@@ -275,7 +283,7 @@ fn drawn(moments: &Moments<DVec3>) -> u64 {
     moments.count() + moments.non_finite()
 }
 
-/// What a tile of a film contributes.
+/// What the tiles of a film contribute.
 #[derive(Clone, Debug)]
 #[cfg_attr(
     feature = "serde",
@@ -283,13 +291,14 @@ fn drawn(moments: &Moments<DVec3>) -> u64 {
     serde(bound = "")
 )]
 pub struct FilmPartial<E> {
-    pixels: Vec<Moments<DVec3>>,
+    /// The pixels of each tile: what is merged is moved, not copied.
+    tiles: Vec<Vec<Moments<DVec3>>>,
     pub(super) failure: Option<PixelFailure<E>>,
 }
 
 impl<E> Merge for FilmPartial<E> {
     fn merge(&mut self, mut right: Self) {
-        self.pixels.append(&mut right.pixels);
+        self.tiles.append(&mut right.tiles);
         self.failure = self.failure.take().or(right.failure);
     }
 }

@@ -123,10 +123,14 @@ impl<C: Coordinates> Coordinates for WindowStream<C> {
     #[inline]
     fn next_2d(&mut self) -> [f64; 2] {
         let [u, v] = self.points.next_2d();
-        if self.axis < 2 {
-            [self.through(u), self.through(v)]
-        } else {
-            [u, v]
+        match self.axis {
+            0 => {
+                self.axis = 2;
+                let ([i, j], [w, h]) = (self.corner, self.size);
+                [(i + u) * w, (j + v) * h]
+            }
+            1 => [self.through(u), v],
+            _ => [u, v],
         }
     }
 }

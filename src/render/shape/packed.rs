@@ -110,6 +110,8 @@ fn is_any(mask: f64x2) -> bool {
 }
 
 /// Takes the distances of the lanes in `met`, all nearer than `nearest`.
+// Branched to, not chosen between lanes: where the branch is foretold, what is
+// done with the shape does not wait for the distance.
 #[inline(always)]
 fn take(nearest: &mut (f64, usize), distance: f64x2, met: f64x2, index: &[usize; LANES]) {
     let met = met.to_bitmask();
