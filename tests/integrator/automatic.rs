@@ -124,11 +124,11 @@ fn peaks_are_found_in_eight_dimensions() {
 /// Squares are not integrable, and yet nothing is left of the poles but rounding.
 #[test]
 fn powers_at_faces_are_taken_away() {
-    let f = |[x, y, z]: [f64; 3]| x.powf(-0.5) * (1.0 - y).powf(-0.75) * z.exp();
+    let f = |[x, y, z]: [f64; 3]| x.powf(-0.75) * (1.0 - y).powf(-0.5) * z.exp();
     let exact = 8.0 * 1_f64.exp_m1();
     for seed in 0..3 {
         let e = of(f, seed, 100_000);
-        assert!((e.mean / exact - 1.0).abs() < 1e-8, "{e} {exact}");
+        assert!((e.mean / exact - 1.0).abs() < 1e-7, "{e} {exact}");
         assert_eq!(e.choice.as_ref().unwrap().stretched, [0, 1]);
         // A pole inside is none of them.
         let inside = |x: [f64; 3]| (x[0] - 0.3).abs().powf(-0.5);
