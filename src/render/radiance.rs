@@ -147,7 +147,11 @@ impl<'a> Radiance<'a> {
                 }
                 if self.goes_on(&mut here, u) {
                     here.throughput /= f64::from(self.rays);
-                    kept.push((here, 0));
+                    step = self.leave(&here, self.technique.layout.point(0, u), u);
+                    if self.rays > 1 {
+                        kept.push((here, 1));
+                    }
+                    continue;
                 }
             }
             let Some((here, sent)) = kept.pop() else {
