@@ -22,6 +22,10 @@ pub(super) type Wide<E> = <<E as TryEstimator>::Value as Value>::Wide;
 type Swept<E> = ControlFlow<Partial<E>, Partial<E>>;
 type Partial<E> = SweepPartial<Wide<E>, <E as TryEstimator>::Error>;
 
+/// The ranges of so many strata are kept and compared; those of more would make a
+/// checkpoint large.
+const MOST_COMPARED: usize = 1 << 14;
+
 /// What a pass is made with.
 pub(super) struct Sweep<'a, E: TryEstimator> {
     pub mapped: &'a Mapped<E>,
@@ -39,7 +43,8 @@ impl<E: TryEstimator> Sweep<'_, E> {
     /// The samples of these strata, which are those of `block`.
     pub(super) fn block(&self, strata: Range<usize>, block: Block) -> Swept<E> {
         let mut moments = Moments::new();
-        let mut walk = Walk::new(self.strata, strata, self.scales.as_ref(), self.lesson);
+        let compared = !self.lesson && self.strata.strata() <= MOST_COMPARED;
+        let mut walk = Walk::new(self.strata, strata, self.scales.as_ref(), compared);
         let mut tail = self.tail.continued();
         let see = |largest: &_, slice: &[Wide<E>]| {
             walk.over(slice);
@@ -189,7 +194,7 @@ struct Walk<'a, V: Value> {
     highest: V::Components,
     sums: Strata<V>,
     spreads: Vec<f64>,
-    lesson: bool,
+    compared: bool,
     ranges: Ranges,
 }
 
@@ -198,7 +203,7 @@ impl<'a, V: Value> Walk<'a, V> {
         layout: &'a AdaptiveStrata,
         strata: Range<usize>,
         scales: &'a [f64],
-        lesson: bool,
+        compared: bool,
     ) -> Self {
         let mut walk = Self {
             layout,
@@ -211,7 +216,7 @@ impl<'a, V: Value> Walk<'a, V> {
             highest: V::Components::ZERO,
             sums: Strata::default(),
             spreads: Vec::with_capacity(strata.len()),
-            lesson,
+            compared,
             ranges: Ranges::default(),
         };
         walk.begin();
@@ -267,7 +272,7 @@ impl<'a, V: Value> Walk<'a, V> {
             }
         }
         self.spreads.push(spread.max(0.0).sqrt());
-        if !self.lesson {
+        if self.compared {
             self.ranges.push(&self.lowest, &self.highest);
         }
         self.stratum += 1;
@@ -288,7 +293,7 @@ pub struct SweepPartial<V: Value, E> {
     pub(super) tail: Tail<V>,
     /// σₘ of each stratum.
     pub(super) spreads: Vec<f64>,
-    /// The values of each stratum; nothing of a lesson.
+    /// The values of each stratum; nothing of a lesson, or of many.
     pub(super) ranges: Ranges,
     pub(super) histogram: GridHistogram,
     /// Samples, those of a block that failed included.
