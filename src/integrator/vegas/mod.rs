@@ -1,5 +1,6 @@
 //! VEGAS+: importance and strata, both learned.
 
+mod jumps;
 mod learning;
 mod pass;
 #[cfg(feature = "serde")]
@@ -11,7 +12,6 @@ pub use pass::VegasPass;
 
 use core::ops::ControlFlow;
 
-use super::jumps::{Ranges, Slab};
 use super::{Integrator, NonFinite, SampleError};
 use crate::estimate::{Consistency, ErrorSource, Estimate, Evidence, Tail, Tolerance};
 use crate::estimator::{Mapped, TryEstimator};
@@ -56,7 +56,8 @@ use sweep::{Sweep, Wide};
 ///
 /// Memory: 8 bytes for each edge of the grid, of which there are `dimension` ×
 /// [`cells`](Learning::cells), and twice that for each block at work while it
-/// learns; 32 bytes for each stratum, of which there are at most 2²⁰.
+/// learns; 32 bytes for each stratum, of which there are at most 2²⁰, and up to 2¹⁴
+/// of them 16 more for each component, to compare neighbours.
 ///
 /// # Example
 ///
@@ -341,28 +342,6 @@ impl<E: TryEstimator> Vegas<E> {
                 .grid
                 .refine(&pass.histogram, self.learning.alpha, cells);
             debug_assert!(refined.is_ok(), "{refined:?}");
-        }
-    }
-}
-
-impl<E: TryEstimator> Vegas<E> {
-    /// In the strata of a pass of so many samples.
-    fn look_for_jumps(&mut self, ranges: &Ranges, samples: u64) {
-        let counts = (0..).zip(self.strata.counts());
-        let slabs = counts.map(|(axis, &n)| {
-            let (edges, n) = (self.mapped.grid.edges(axis), n as usize);
-            let cells = edges.len() - 1;
-            // Those that lie in the slab or reach into it.
-            let of = |i| i * cells / n..=((i + 1) * cells - 1) / n;
-            let width = |i: usize| (edges[i + 1] - edges[i]) * cells as f64;
-            (0..n).map(|i| Slab::of(of(i).map(width))).collect()
-        });
-        let slabs: Vec<Vec<Slab>> = slabs.collect();
-        let jump: <E::Value as Value>::Components =
-            ranges.largest_jump(&slabs, |stratum| self.strata.points_of(stratum));
-        let share = samples as f64 / self.strata.strata() as f64;
-        for (unseen, jump) in self.unseen.as_mut().iter_mut().zip(jump.as_ref()) {
-            *unseen = unseen.max(jump * share * share);
         }
     }
 }
