@@ -56,8 +56,8 @@ use sweep::{Sweep, Wide};
 ///
 /// Memory: 8 bytes for each edge of the grid, of which there are `dimension` ×
 /// [`cells`](Learning::cells), and twice that for each block at work while it
-/// learns; 32 bytes for each stratum, of which there are at most 2²⁰, and up to 2¹⁴
-/// of them 16 more for each component, to compare neighbours.
+/// learns; 32 bytes for each stratum, of which there are at most 2²⁰; where
+/// there are at most 2¹⁴, 16 more for each component, to compare neighbours.
 ///
 /// # Example
 ///
