@@ -2,7 +2,7 @@
 //! error that a second buys, on the two reference scenes at 48 × 48.
 //!
 //! `cargo bench --bench tracer` prints the table: the median of some rounds,
-//! which alternate between the rows. RMSE is relative to the mean of the
+//! which alternate between the rows. With `-- small_light`, of that scene alone. RMSE is relative to the mean of the
 //! reference image, over all pixels and over those from which no light is
 //! seen; `error² · time` is what it takes to come to an error of 1, in the
 //! pixels without a light: less is better, and does not depend on the budget.
@@ -101,6 +101,10 @@ fn main() -> Result<(), Error> {
     if !std::env::args().any(|a| a == "--bench") {
         return Ok(());
     }
+    let wanted: Vec<_> = std::env::args()
+        .skip(1)
+        .filter(|a| !a.starts_with('-'))
+        .collect();
     println!(
         "scene       points and roulette             threads  Mpaths/s  rays/path  ns/ray  RMSE all  RMSE dark  error² · time"
     );
@@ -108,6 +112,9 @@ fn main() -> Result<(), Error> {
         ("cornell2", scenes::cornell2()?),
         ("small_light", scenes::small_light()?),
     ] {
+        if !wanted.is_empty() && !wanted.iter().any(|w| w == name) {
+            continue;
+        }
         let view = |technique| -> Result<Seen<'_>, Error> {
             Ok(Radiance::new(&scene, technique)?.seen_by(camera))
         };
