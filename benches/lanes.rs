@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! cargo bench --bench lanes -- --instructions
-//! cargo bench --bench lanes --features dispatch -- --instructions
+//! cargo bench --bench lanes --no-default-features -- --instructions
 //! RUSTFLAGS="-C target-cpu=x86-64-v3" cargo bench --bench lanes -- --instructions
 //! ```
 
@@ -27,7 +27,7 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use support::instructions;
 
-const SAMPLES: u64 = 1_000_000;
+const SAMPLES: u64 = 4_000_000;
 const ROUNDS: usize = 15;
 
 type Side = fn() -> f64;

@@ -1,5 +1,6 @@
 //! Raw sums of a slice of values.
 
+use crate::lanes::{Loop, widest};
 use crate::value::{Components, Value};
 
 /// How many values of one component are added at once.
@@ -61,34 +62,21 @@ impl<V: Value> Sums<V> {
     /// The same sums for values of one component, in lanes that a processor
     /// adds at once.
     #[inline]
-    fn of_scalars(values: &[V], about: V::Components) -> Self {
-        let origin = about.as_ref()[0];
-        let [mut first, mut second, mut third, mut fourth, mut largest] = [[0.0; LANES]; 5];
-        let fours = values.chunks_exact(LANES);
-        let rest = fours.remainder();
-        for four in fours {
-            // One operation after the other, each on all lanes: that is what
-            // compilers see as vectors.
-            let x: [f64; LANES] = core::array::from_fn(|l| four[l].components().as_ref()[0]);
-            let d: [f64; LANES] = core::array::from_fn(|l| x[l] - origin);
-            let d2: [f64; LANES] = core::array::from_fn(|l| d[l] * d[l]);
-            first = core::array::from_fn(|l| first[l] + d[l]);
-            second = core::array::from_fn(|l| second[l] + d2[l]);
-            third = core::array::from_fn(|l| third[l] + d2[l] * d[l]);
-            fourth = core::array::from_fn(|l| fourth[l] + d2[l] * d2[l]);
-            largest = core::array::from_fn(|l| {
-                if x[l].abs() > largest[l] {
-                    x[l].abs()
-                } else {
-                    largest[l]
-                }
+    fn of_scalars(values: &[V], origin: V::Components) -> Self {
+        let (fours, rest) = values.as_chunks();
+        let mut lanes = [[0.0; LANES]; 5];
+        if !fours.is_empty() {
+            widest(OfLanes {
+                fours,
+                origin: origin.as_ref()[0],
+                sums: &mut lanes,
             });
         }
         let mut sums = Self::ZERO;
         for value in rest {
-            sums.add(value.components(), about);
+            sums.add(value.components(), origin);
         }
-        sums.add_lanes(&[first, second, third, fourth, largest]);
+        sums.add_lanes(&lanes);
         sums
     }
 
@@ -108,5 +96,38 @@ impl<V: Value> Sums<V> {
     #[inline]
     pub(super) fn are_finite(&self) -> bool {
         self.first.as_ref().iter().all(|s| s.is_finite())
+    }
+}
+
+/// Σ d, Σ d², Σ d³, Σ d⁴ and max |x| of each lane, for d = x − `origin`.
+struct OfLanes<'a, V> {
+    fours: &'a [[V; LANES]],
+    origin: f64,
+    sums: &'a mut [[f64; LANES]; 5],
+}
+
+impl<V: Value> Loop for OfLanes<'_, V> {
+    #[inline(always)]
+    fn run(self) {
+        let [mut first, mut second, mut third, mut fourth, mut largest] = *self.sums;
+        for four in self.fours {
+            // One operation after the other, each on all lanes: that is what
+            // compilers see as vectors.
+            let x: [f64; LANES] = core::array::from_fn(|l| four[l].components().as_ref()[0]);
+            let d: [f64; LANES] = core::array::from_fn(|l| x[l] - self.origin);
+            let d2: [f64; LANES] = core::array::from_fn(|l| d[l] * d[l]);
+            first = core::array::from_fn(|l| first[l] + d[l]);
+            second = core::array::from_fn(|l| second[l] + d2[l]);
+            third = core::array::from_fn(|l| third[l] + d2[l] * d[l]);
+            fourth = core::array::from_fn(|l| fourth[l] + d2[l] * d2[l]);
+            largest = core::array::from_fn(|l| {
+                if x[l].abs() > largest[l] {
+                    x[l].abs()
+                } else {
+                    largest[l]
+                }
+            });
+        }
+        *self.sums = [first, second, third, fourth, largest];
     }
 }

@@ -46,8 +46,8 @@
 //! target has no such instruction. [`exp`] is made for it.
 //!
 //! A program that is built for any x86-64 has vectors of two numbers. With the
-//! feature `dispatch` the loops are compiled for AVX2 (four) as well, and that
-//! is taken where the processor has it; building with
+//! default feature `dispatch` the loops are compiled for AVX2 (four) as well, and
+//! that is taken where the processor has it; building with
 //! `RUSTFLAGS="-C target-cpu=x86-64-v3"` comes to the same without asking at
 //! run time. Results are equal to the last bit in all three, as long as the
 //! integrand uses no `mul_add`.
