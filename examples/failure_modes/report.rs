@@ -208,9 +208,6 @@ pub enum Verdict {
     Unseen,
     /// Its answers cover less than 95 %, and it doubts some, not 95 % of them.
     Sometimes,
-    /// Its answers cover less than 95 %; it doubts 90 % of them, and 95 % of those that
-    /// do not cover; those that it trusts cover as often as they say.
-    WhereWrong,
     /// Its answer is right: trusted by 90 % at least, and covered as often as it says.
     Right,
     /// It covers as often as it says; trust is not asserted.
@@ -276,15 +273,6 @@ impl Entry {
                     !ours.mostly_trusted() && 20 * doubted < 19 * seeds,
                     "some doubtful",
                 );
-                state(!covers, "wrongly");
-            }
-            Verdict::WhereWrong => {
-                state(10 * doubted >= 9 * seeds, "doubtful");
-                let trusted = ours.count(|s| s.doubt.is_none());
-                let right = ours.count(|s| s.covered && s.doubt.is_none());
-                state(enough(right, trusted), "trusted and covered");
-                let wrong = seeds - ours.covered();
-                state(20 * (trusted - right) <= wrong, "wrong and doubtful");
                 state(!covers, "wrongly");
             }
             Verdict::Right => {

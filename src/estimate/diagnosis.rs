@@ -158,12 +158,17 @@ const REPLICATES: f64 = 5.0;
 /// shape.
 const TAIL_SHARE: f64 = 0.3;
 /// The shape is doubted if k = ½ is less than so many standard errors above it: more
-/// of them for replicates, where few means have to show what a singularity does.
+/// of them for replicates, where few means have to show what a singularity does, and
+/// for strata of which fewer than so many count.
 const SHAPE_ERRORS: f64 = 2.0;
-const SHAPE_ERRORS_REPLICATES: f64 = 3.0;
+const SHAPE_ERRORS_FEW: f64 = 3.0;
+const STRATA: f64 = 64.0;
 /// One sample may be so much of the variance, and the variance may rest on so few.
 const LARGEST_SHARE: f64 = 0.2;
 const CARRIERS: f64 = 30.0;
+/// More of them for replicates, whose values may be as skewed as they like: what they
+/// integrate exactly does not matter, and nothing is known of the skewness of the rest.
+const CARRIERS_REPLICATES: f64 = 48.0;
 /// Degrees of freedom are what Student's t makes up for, as far as it can.
 const FREEDOM: f64 = 10.0;
 /// A loss of 0.1 % of coverage at 95 %.
@@ -254,8 +259,10 @@ impl Estimate<f64> {
         let evidence = &self.evidence;
         let ([shape], [standard_error]) = (evidence.shape, evidence.shape_error);
         let ([share], [largest]) = (evidence.tail_share, evidence.largest_share);
+        let freedom = self.degrees_of_freedom;
         let errors = match self.error_source {
-            ErrorSource::Replicates => SHAPE_ERRORS_REPLICATES,
+            ErrorSource::Replicates => SHAPE_ERRORS_FEW,
+            ErrorSource::WithinStrata if freedom < STRATA => SHAPE_ERRORS_FEW,
             _ => SHAPE_ERRORS,
         };
         doubt(
@@ -275,20 +282,22 @@ impl Estimate<f64> {
             share >= LARGEST_SHARE && share > largest,
             Symptom::UnseenJump { share },
         );
-        let independent = self.error_source == ErrorSource::Independent;
-        if independent && samples >= SAMPLES {
-            let n = samples as f64;
-            if let (Some(skewness), Some(kurtosis)) =
-                (moments.skewness(), moments.excess_kurtosis())
-            {
-                let effective = n / (kurtosis + 3.0);
-                doubt(effective < CARRIERS, Symptom::FewCarry { effective });
+        let n = samples as f64;
+        let carriers = moments
+            .excess_kurtosis()
+            .map(|kurtosis| n / (kurtosis + 3.0));
+        let rests_on = |effective: f64| Symptom::FewCarry { effective };
+        match (self.error_source, carriers, moments.skewness()) {
+            (ErrorSource::Independent, Some(carriers), Some(skewness)) if samples >= SAMPLES => {
+                doubt(carriers < CARRIERS, rests_on(carriers));
                 let loss = HALL * skewness * skewness / n;
                 doubt(loss >= LOSS, Symptom::Skewed { skewness, loss });
             }
-        } else if self.error_source != ErrorSource::Replicates {
-            let effective = self.degrees_of_freedom;
-            doubt(effective < FREEDOM, Symptom::FewCarry { effective });
+            (ErrorSource::Replicates, Some(carriers), _) => {
+                doubt(carriers < CARRIERS_REPLICATES, rests_on(carriers));
+            }
+            (ErrorSource::Replicates, None, _) => {}
+            _ => doubt(freedom < FREEDOM, rests_on(freedom)),
         }
         let ratio = self.mean / self.standard_error;
         let effective = ratio * ratio;

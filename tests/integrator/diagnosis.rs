@@ -222,6 +222,15 @@ fn what_is_wrong_is_doubted() {
             "ln x/√x, net",
             Box::new(|s| net(|[x]| (-x).ln_1p() / (1.0 - x).sqrt(), s, N)),
         ),
+        // Each of 16 nets has 32 points, of which few count.
+        (
+            "peak, net, 10³",
+            Box::new(|s| {
+                let peak =
+                    |x: [f64; 3]| (-50.0 * x.map(|x| (x - 0.44).powi(2)).iter().sum::<f64>()).exp();
+                net(peak, s, 1_000)
+            }),
+        ),
         (
             "x^−0.75, strata",
             Box::new(|s| strata(|[x]| (1.0 - x).powf(-0.75), s, N)),
