@@ -19,8 +19,8 @@ use crate::value::Components;
 /// Regions* (1995).
 #[derive(Clone, Debug)]
 pub(super) struct Projection {
-    degree: usize,
-    terms: usize,
+    /// All but the first, which is 1.
+    terms: Vec<Term>,
     /// |wⱼ|, over their sum.
     shares: Vec<f64>,
     /// π_α(tⱼ), node after node.
@@ -33,6 +33,9 @@ pub(super) struct Projection {
 pub(crate) const MOST_FITTED: usize = 10;
 /// The degree on a line, where the rule has degree 31.
 const LINE: usize = 15;
+/// In up to three dimensions, and in up to five.
+const FEW_TERMS: usize = 35;
+const SOME_TERMS: usize = 126;
 /// Degree four has no more terms than degree three in ten dimensions.
 const MOST_TERMS: usize = 286;
 
@@ -48,31 +51,40 @@ const BETA: [f64; LINE + 1] = {
     beta
 };
 
-/// Shows `product` times each π_α(t) up to this degree: of the first variable that is
-/// left, all powers, each with all of the variables after it.
-#[inline]
-fn products(t: &[f64], degree: usize, product: f64, see: &mut impl FnMut(f64)) {
-    see(product);
-    if degree == 0 {
-        return;
-    }
-    for (i, t_i) in t.iter().enumerate() {
-        let (mut before, mut now) = (product, product * t_i);
-        for (m, beta) in (1..=degree).zip(&BETA[1..]) {
-            products(&t[i + 1..], degree - m, now, see);
-            (before, now) = (now, t_i * now - beta * before);
-        }
-    }
+/// π_α from terms before it, which have lower powers of its last variable.
+///
+/// ```text
+/// t_axis π_first − β π_second
+/// ```
+#[derive(Clone, Copy, Debug)]
+struct Term {
+    axis: usize,
+    first: usize,
+    second: usize,
+    beta: f64,
 }
 
-/// ‖π_α‖² in the same order.
-fn norms(axes: usize, degree: usize, norm: f64, see: &mut impl FnMut(f64)) {
-    see(norm);
-    for i in 0..axes {
-        let mut norm = norm;
-        for (m, beta) in (1..=degree).zip(&BETA[1..]) {
-            norm *= beta;
-            norms(axes - i - 1, degree - m, norm, see);
+/// Adds what begins with the term `whole` and goes on with powers of the variables from
+/// `axis` on, up to this degree; and ‖π_α‖² of each.
+fn extend(
+    terms: &mut Vec<Term>,
+    norms: &mut Vec<f64>,
+    whole: usize,
+    axes: (usize, usize),
+    degree: usize,
+) {
+    for axis in axes.0..axes.1 {
+        let (mut second, mut first, mut beta) = (whole, whole, 0.0);
+        for (m, next) in (1..=degree).zip(&BETA[1..]) {
+            terms.push(Term {
+                axis,
+                first,
+                second,
+                beta,
+            });
+            norms.push(norms[first] * next);
+            (second, first, beta) = (first, terms.len(), *next);
+            extend(terms, norms, first, (axis + 1, axes.1), degree - m);
         }
     }
 }
@@ -91,20 +103,19 @@ impl Projection {
             (_, Degree::Nine) if count(n, 4) <= MOST_TERMS => 4,
             _ => 3,
         };
-        let mut norm = Vec::with_capacity(count(n, degree));
-        norms(n, degree, 1.0, &mut |x| norm.push(x));
+        let (mut terms, mut norms) = (Vec::new(), vec![1.0]);
+        extend(&mut terms, &mut norms, 0, (0, n), degree);
         let (nodes, rule) = rule.nodes(n);
-        let mut at_nodes = Vec::with_capacity(norm.len() * rule.len());
-        let mut weights = Vec::with_capacity(norm.len() * rule.len());
+        let (mut at_nodes, mut weights) = (Vec::new(), Vec::new());
+        let mut at_node = vec![0.0; norms.len()];
         for (t, w) in nodes.chunks(n).zip(&rule) {
-            let from = at_nodes.len();
-            products(t, degree, 1.0, &mut |p| at_nodes.push(p));
-            weights.extend((at_nodes[from..].iter().zip(&norm)).map(|(p, norm)| w * p / norm));
+            products(&terms, t, &mut at_node);
+            weights.extend(at_node.iter().zip(&norms).map(|(p, norm)| w * p / norm));
+            at_nodes.extend_from_slice(&at_node);
         }
         let size: f64 = rule.iter().map(|w| w.abs()).sum();
         Self {
-            degree,
-            terms: norm.len(),
+            terms,
             shares: rule.iter().map(|w| w.abs() / size).collect(),
             products: at_nodes,
             weights,
@@ -113,26 +124,31 @@ impl Projection {
 
     /// How many coefficients a component has.
     pub(super) fn terms(&self) -> usize {
-        self.terms
+        1 + self.terms.len()
     }
 
-    /// The coefficients, component after component, and the mean squares of f − g and
+    /// The coefficients, those of a term side by side, and the mean squares of f − g and
     /// of f at the nodes, where f has these values.
     pub(super) fn fit<C: Components>(&self, values: &[C]) -> (Vec<f64>, C, C) {
-        let mut coefficients = vec![0.0; C::COUNT * self.terms];
+        let terms = self.terms();
+        let mut coefficients = vec![0.0; terms * C::COUNT];
         let (mut left, mut whole) = (C::ZERO, C::ZERO);
-        for (k, c) in coefficients.chunks_mut(self.terms).enumerate() {
-            for (value, weights) in values.iter().zip(self.weights.chunks(self.terms)) {
+        let mut c = vec![0.0; terms];
+        for k in 0..C::COUNT {
+            c.fill(0.0);
+            for (value, weights) in values.iter().zip(self.weights.chunks(terms)) {
                 let f = value.as_ref()[k];
                 c.iter_mut().zip(weights).for_each(|(c, w)| *c += w * f);
             }
-            let nodes = self.products.chunks(self.terms).zip(&self.shares);
+            let nodes = self.products.chunks(terms).zip(&self.shares);
             for (value, (products, share)) in values.iter().zip(nodes) {
                 let f = value.as_ref()[k];
-                let g: f64 = products.iter().zip(&*c).map(|(p, c)| p * c).sum();
+                let g: f64 = products.iter().zip(&c).map(|(p, c)| p * c).sum();
                 left.as_mut()[k] += share * (f - g) * (f - g);
                 whole.as_mut()[k] += share * f * f;
             }
+            let every = coefficients[k..].iter_mut().step_by(C::COUNT);
+            every.zip(&c).for_each(|(coefficient, c)| *coefficient = *c);
         }
         (coefficients, left, whole)
     }
@@ -140,15 +156,38 @@ impl Projection {
     /// g(t)
     #[inline]
     pub(super) fn at<C: Components>(&self, t: &[f64], coefficients: &[f64]) -> C {
+        let terms = self.terms();
+        if terms <= FEW_TERMS {
+            self.sum::<C, FEW_TERMS>(t, coefficients)
+        } else if terms <= SOME_TERMS {
+            self.sum::<C, SOME_TERMS>(t, coefficients)
+        } else {
+            self.sum::<C, MOST_TERMS>(t, coefficients)
+        }
+    }
+
+    #[inline]
+    fn sum<C: Components, const MOST: usize>(&self, t: &[f64], coefficients: &[f64]) -> C {
+        let mut at = [0.0; MOST];
+        let at = &mut at[..self.terms()];
+        products(&self.terms, t, at);
         let mut g = C::ZERO;
-        let mut term = 0;
-        products(t, self.degree, 1.0, &mut |p| {
-            for (k, g) in g.as_mut().iter_mut().enumerate() {
-                *g += p * coefficients[k * self.terms + term];
+        // Iterators over a term's components are not inlined.
+        for (number, product) in at.iter().enumerate() {
+            for k in 0..C::COUNT {
+                g.as_mut()[k] += product * coefficients[C::COUNT * number + k];
             }
-            term += 1;
-        });
+        }
         g
+    }
+}
+
+/// All π_α(t).
+#[inline]
+fn products(terms: &[Term], t: &[f64], at: &mut [f64]) {
+    at[0] = 1.0;
+    for (number, term) in (1..).zip(terms) {
+        at[number] = t[term.axis] * at[term.first] - term.beta * at[term.second];
     }
 }
 
@@ -163,6 +202,11 @@ mod tests {
             let projection = Projection::new(&rule, n, degree);
             (n, rule, projection)
         })
+    }
+
+    fn degree(n: usize, projection: &Projection) -> usize {
+        let found = (1..=LINE).find(|&d| count(n, d) == projection.terms());
+        found.unwrap()
     }
 
     /// With random coefficients: what comes back are the same, and nothing is left.
@@ -194,7 +238,7 @@ mod tests {
     #[test]
     fn what_has_a_higher_degree_is_left() {
         for (n, rule, projection) in all() {
-            let power = projection.degree as i32 + 1;
+            let power = degree(n, &projection) as i32 + 1;
             let nodes = rule.nodes(n).0;
             let values: Vec<[f64; 1]> = nodes.chunks(n).map(|t| [t[0].powi(power)]).collect();
             let (_, [left], [whole]) = projection.fit(&values);
@@ -205,7 +249,7 @@ mod tests {
     #[test]
     fn terms_are_orthogonal_and_as_many_as_counted() {
         for (n, rule, projection) in all() {
-            assert_eq!(projection.terms(), count(n, projection.degree));
+            assert_eq!(projection.terms(), count(n, degree(n, &projection)));
             let weights = rule.nodes(n).1;
             let first = projection.products.chunks(projection.terms()).zip(&weights);
             let means = first.fold(vec![0.0; projection.terms()], |mut sum, (p, w)| {

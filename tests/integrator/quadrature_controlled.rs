@@ -39,8 +39,10 @@ fn hump(at: f64, width: f64) -> f64 {
     (((1.0 - at) / width).atan() + (at / width).atan()) / width
 }
 
-/// With their integrals.
-fn functions() -> [(fn(&[f64]) -> f64, f64); 3] {
+/// A function and its integral.
+type Known = (fn(&[f64]) -> f64, f64);
+
+fn functions() -> [Known; 3] {
     let peaks = hump(0.3, 1e-3_f64.sqrt()) * hump(0.6, 0.1);
     [(disk, FRAC_PI_4), (kink, 1.0 / 3.0), (peak, peaks)]
 }
