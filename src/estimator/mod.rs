@@ -17,6 +17,7 @@ mod multi_sample;
 mod multiple_importance;
 mod one_sample;
 mod primary;
+mod residual;
 mod slice;
 
 pub use antithetic::Antithetic;
@@ -37,6 +38,7 @@ pub use multi_sample::{MultiSample, MultiSampleError};
 pub use multiple_importance::{Combination, Draw, MultipleImportance};
 pub use one_sample::{OneSample, OneSampleError};
 pub use primary::primary_estimates;
+pub use residual::Residual;
 pub(crate) use slice::SliceImportance;
 
 use core::convert::Infallible;

@@ -11,6 +11,7 @@ mod median;
 mod monte_carlo;
 mod pairs;
 mod plan;
+mod quadrature_controlled;
 mod randomized_qmc;
 mod regression;
 #[cfg(feature = "serde")]
@@ -34,6 +35,7 @@ pub use histogram_monte_carlo::HistogramMonteCarlo;
 pub use long_net::LongNet;
 pub use median::Median;
 pub use monte_carlo::MonteCarlo;
+pub use quadrature_controlled::QuadratureControlled;
 pub use randomized_qmc::{RandomizedQmc, RandomizedQmcError, ReplicateError};
 #[cfg(feature = "serde")]
 pub use resumable::{Fingerprint, Resumable, StateError};

@@ -27,7 +27,7 @@ pub enum QuadratureError<X = f64> {
         /// The budget, which is less than Nᵏ.
         budget: u64,
     },
-    /// The domain has no coordinates, or more than 15: an adaptive rule
+    /// The domain has no coordinates, or more than 15, or 10 for a fit: an adaptive rule
     /// evaluates each box at its 2ⁿ corners.
     Dimensions(usize),
     /// An adaptive rule takes more evaluations for its first box than the
@@ -69,7 +69,10 @@ impl<X: fmt::Debug> fmt::Display for QuadratureError<X> {
                 )
             }
             Self::Dimensions(n) => {
-                write!(f, "adaptive rules take 1 to 15 dimensions, not {n}")
+                write!(
+                    f,
+                    "adaptive rules take 1 to 15 dimensions, and fits 1 to 10, not {n}"
+                )
             }
             Self::FirstBox { cost, budget } => write!(
                 f,

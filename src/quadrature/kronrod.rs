@@ -74,6 +74,12 @@ pub(super) fn apply<C: Components>(
     found
 }
 
+/// The weight of each node, in the order in which nodes are evaluated.
+pub(super) fn node_weights() -> Vec<f64> {
+    let pairs = KRONROD.iter().flat_map(|(_, weight)| [*weight; 2]);
+    core::iter::once(MIDDLE).chain(pairs).collect()
+}
+
 /// The mean of h(component `k`) over all 21 nodes.
 fn kronrod<C: Components>(
     middle: &C,

@@ -34,8 +34,24 @@ impl BoxRule {
         }
     }
 
+    /// The coordinates of its nodes on [−1, 1]ⁿ, in the order in which they are
+    /// evaluated, and their weights, which sum to 1.
+    pub(super) fn nodes(&self, dimensions: usize) -> (Vec<f64>, Vec<f64>) {
+        let bounds = [vec![0.0; dimensions], vec![1.0; dimensions]].concat();
+        let mut nodes = Vec::new();
+        self.apply(&bounds, &[1.0], &mut |x| {
+            nodes.extend_from_slice(x);
+            [0.0]
+        });
+        let weights = match self {
+            Self::Kronrod => kronrod::node_weights(),
+            Self::Symmetric(rule) => rule.node_weights(dimensions),
+        };
+        (nodes, weights)
+    }
+
     /// `bounds` holds the centre and then half the sides.
-    fn apply<C: Components>(
+    pub(super) fn apply<C: Components>(
         &self,
         bounds: &[f64],
         weights: &C,
@@ -123,10 +139,10 @@ pub(crate) struct Cut<C> {
 /// Where a box stands in the queue: by error, and by volume where there is
 /// none, so that what is 0 everywhere is searched evenly.
 #[derive(Clone, Copy, Debug)]
-struct Rank {
-    error: f64,
-    volume: f64,
-    region: usize,
+pub(super) struct Rank {
+    pub(super) error: f64,
+    pub(super) volume: f64,
+    pub(super) region: usize,
 }
 
 impl Ord for Rank {

@@ -148,6 +148,19 @@ impl Symmetric {
         }
     }
 
+    /// The weight of each node, in the order in which nodes are evaluated.
+    pub(super) fn node_weights(&self, n: usize) -> Vec<f64> {
+        let (singles, rest) = self.weights[1..].split_at(self.singles);
+        let mut weights = vec![self.weights[0]];
+        for _ in 0..n {
+            weights.extend(singles.iter().flat_map(|weight| [*weight; 2]));
+        }
+        for (orbit, weight) in self.orbits[1 + self.singles..].iter().zip(rest) {
+            weights.extend((0..orbit.points(n)).map(|_| *weight));
+        }
+        weights
+    }
+
     /// Evaluations of one application.
     pub(super) fn cost(&self) -> u64 {
         self.cost

@@ -13,6 +13,7 @@ mod events;
 mod median;
 mod multiple_importance;
 mod numerics;
+mod quadrature_controlled;
 mod randomized_qmc;
 mod rates;
 mod unbiased;
