@@ -157,9 +157,9 @@ fn aliasing() -> Outcome<Entry> {
 }
 
 fn resonance() -> Outcome<Entry> {
-    // 395 is the lattice's second component modulo 1,024.
+    // 445 is the lattice's second component modulo 1,024.
     const N: u64 = 1 << 10;
-    let f = |[x, y]: [f64; 2]| 1.0 + 0.9 * (TAU * (395.0 * x - y)).cos();
+    let f = |[x, y]: [f64; 2]| 1.0 + 0.9 * (TAU * (445.0 * x - y)).cos();
     let exact = 1.0;
     let estimator = Importance::new(f, UnitCube::<2>);
     let naive = Runs::of(exact, |_| {

@@ -9,7 +9,7 @@ use super::{Integrator, NonFinite, SampleError};
 use crate::estimate::{ErrorSource, Estimate, Evidence, Moments, Tail, Tolerance, outlier, scaled};
 use crate::estimator::TryEstimator;
 use crate::merge::Merge;
-use crate::sampler::{Block, Owen, Sobol};
+use crate::sampler::{Block, Lattice, Owen, Sampler, Sobol};
 use crate::value::{Components, Value};
 
 /// The mean over the first N points of one scrambled net, its error bar from R runs
@@ -33,6 +33,11 @@ use crate::value::{Components, Value};
 /// do not help the bar is that of R independent means; where they do, it is longer
 /// than the error by up to R or so, and never longer than R randomisations would
 /// have had theirs. Intervals then cover more often than they say.
+///
+/// The same holds of a [`Lattice`] that is shifted and folded
+/// ([`on_lattice`](Self::on_lattice)), whose runs are lattices: where it is smooth, an
+/// integrand's error falls like N⁻² or nearly so. But V_N ≤ Vₙ/R is then a property of
+/// the integrand: it fails for a wave that all points see in the same phase.
 ///
 /// A run doubles N, and joins runs two by two. Budgets between one N and the next are
 /// left unspent, unless [`in_parts`](Self::in_parts) takes them.
@@ -62,8 +67,8 @@ use crate::value::{Components, Value};
 /// *Monte Carlo Variance of Scrambled Net Quadrature* (1997), for V_N; Law & Kelton,
 /// *Simulation Modeling and Analysis*, §9.5, for means of batches.
 #[derive(Clone, Debug)]
-pub struct LongNet<E: TryEstimator> {
-    net: Sobol<Owen>,
+pub struct LongNet<E: TryEstimator, S = Sobol<Owen>> {
+    net: S,
     estimator: E,
     non_finite: NonFinite,
     in_parts: bool,
@@ -90,6 +95,22 @@ const FIRST: u64 = 16;
 impl<E: TryEstimator> LongNet<E> {
     /// Averages `estimator` over the points of `net`.
     pub const fn new(estimator: E, net: Sobol<Owen>) -> Self {
+        Self::of(estimator, net)
+    }
+}
+
+impl<E: TryEstimator> LongNet<E, Lattice> {
+    /// Averages `estimator` over the points of `lattice`, which is to be shifted: the
+    /// error bar of one that is not tells nothing.
+    pub const fn on_lattice(estimator: E, lattice: Lattice) -> Self {
+        Self::of(estimator, lattice)
+    }
+}
+
+impl<E: TryEstimator, S: Sampler> LongNet<E, S> {
+    /// Runs of a power of two of the points, one after the other, have to be laid out
+    /// alike.
+    pub(super) const fn of(estimator: E, net: S) -> Self {
         Self {
             net,
             estimator,
@@ -194,7 +215,7 @@ impl<E: TryEstimator> LongNet<E> {
     }
 }
 
-impl<E: TryEstimator> Integrator for LongNet<E> {
+impl<E: TryEstimator, S: Sampler> Integrator for LongNet<E, S> {
     type Answer = Estimate<E::Value>;
     type Partial = RandomizedQmcPartial<E::Value, E::Error>;
     type Error = SampleError<E::Value, E::Error>;
@@ -296,7 +317,7 @@ impl<E: TryEstimator> Integrator for LongNet<E> {
 }
 
 #[cfg(feature = "serde")]
-impl<E: TryEstimator> super::Resumable for LongNet<E> {
+impl<E: TryEstimator, S: Sampler + core::fmt::Debug> super::Resumable for LongNet<E, S> {
     type State = (
         [Vec<Moments<E::Value>>; 2],
         [Tail<E::Value>; 2],
@@ -346,7 +367,7 @@ mod tests {
 
     #[test]
     fn its_mean_is_that_of_one_net_and_its_bar_that_of_eight_runs() {
-        use crate::sampler::{Coordinates, Sampler};
+        use crate::sampler::Coordinates;
         let f: F = |[x, y]| (x * y).exp();
         let mut long = net(f);
         let e = taken(&mut long, 3 << 11);

@@ -13,10 +13,10 @@ use super::{Block, Coordinates, Independent, IndependentStream, Randomize, Sampl
 /// xᵢ = frac(φ₂(i) z + Δ)      φ₂ the radical inverse in base 2, Δ uniform
 /// ```
 ///
-/// The first 2ᵐ points are those of k z/2ᵐ, k = 0 … 2ᵐ − 1, for every
-/// m ≤ 20: a lattice is doubled by going on. The rule was built for 2¹⁰ points
-/// and more; past 2²⁰ its points start again. Coordinates beyond the last
-/// dimension are independent.
+/// The first 2ᵐ points are those of k z/2ᵐ, k = 0 … 2ᵐ − 1, for every m: a
+/// lattice is doubled by going on. z was built for 2⁸ to 2²⁰ points; beyond, it is a
+/// lattice still, of which nothing is known. Coordinates beyond the last dimension are
+/// independent.
 ///
 /// Each point by itself is uniform, but the points of one lattice depend on
 /// each other: the error comes from several shifts
@@ -29,22 +29,21 @@ use super::{Block, Coordinates, Independent, IndependentStream, Randomize, Sampl
 /// ```
 /// use estimand::sampler::{Block, Coordinates, Lattice, Sampler};
 ///
-/// let lattice = Lattice::unshifted(2)?; // z = (1, 182667, …)
+/// let lattice = Lattice::unshifted(2)?; // z = (1, 865725, …)
 /// let mut points = lattice.stream(Block { index: 0, start: 0, len: 4 });
 /// let all: Vec<_> = (0..4).map(|_| { points.next_point(); points.next_2d() }).collect();
-/// assert_eq!(all, [[0.0, 0.0], [0.5, 0.5], [0.25, 0.75], [0.75, 0.25]]);
+/// assert_eq!(all, [[0.0, 0.0], [0.5, 0.5], [0.25, 0.25], [0.75, 0.75]]);
 /// # Ok::<(), estimand::sampler::LatticeError>(())
 /// ```
 ///
 /// # Notes
 ///
-/// No z is good for all sizes and all dimensions: of this one, z₁ + z₂ + z₃ + z₄ +
-/// 2z₅ = 103 · 2¹³, so that up to 2¹³ points cos 2π(x₁ + x₂ + x₃ + x₄ + 2x₅) looks
-/// like a constant. What depends on the sum of five coordinates wants more points, or
-/// a [`Sobol`](super::Sobol) net.
+/// No z is good for all sizes and all dimensions: this one is for functions of which any
+/// few of the first 16 coordinates matter as much as any others, and later ones less
+/// and less.
 ///
 /// Source: Cools, Kuo & Nuyens, *Constructing embedded lattice rules for
-/// multivariate integration* (2006), for z; Cranley & Patterson,
+/// multivariate integration* (2006), for how z is found; Cranley & Patterson,
 /// *Randomization of Number Theoretic Methods for Multiple Integration* (1976),
 /// for Δ.
 #[derive(Clone, Copy, Debug)]
@@ -84,9 +83,6 @@ impl fmt::Display for LatticeError {
 }
 
 impl core::error::Error for LatticeError {}
-
-/// log₂ of how many points the rule has.
-const BITS: u32 = 20;
 
 impl Lattice {
     /// The lattice in `dimension` dimensions, shifted by what belongs to
@@ -157,9 +153,9 @@ impl Lattice {
 #[derive(Clone, Debug)]
 pub struct LatticeStream {
     lattice: Lattice,
-    /// The number of the next point, and φ₂ of the current one times 2³².
+    /// The number of the next point, and φ₂ of the current one times 2⁶⁴.
     next: u64,
-    inverse: u32,
+    inverse: u64,
     axis: usize,
     padding: IndependentStream,
 }
@@ -168,7 +164,7 @@ impl Coordinates for LatticeStream {
     #[inline]
     fn next_point(&mut self) {
         self.padding.next_point();
-        self.inverse = ((self.next % (1 << BITS)) as u32).reverse_bits();
+        self.inverse = self.next.reverse_bits();
         self.next = self.next.wrapping_add(1);
         self.axis = 0;
     }
@@ -181,7 +177,7 @@ impl Coordinates for LatticeStream {
         }
         // frac(φ₂ z) and Δ, times 2⁶⁴: sums that wrap are sums modulo 1.
         let z = u64::from(GENERATING_VECTOR[self.axis]);
-        let mut x = (u64::from(self.inverse) << 32).wrapping_mul(z);
+        let mut x = self.inverse.wrapping_mul(z);
         if let Some(shift) = self.lattice.shift {
             x = x.wrapping_add(mix(
                 shift.wrapping_add((self.axis as u64).wrapping_mul(GOLDEN))
@@ -220,12 +216,9 @@ impl Randomize for Lattice {
         }
     }
 
-    /// The powers of two up to 2²⁰.
+    /// The powers of two.
     fn complete(&self, points: u64) -> u64 {
-        match points.checked_ilog2() {
-            None => 0,
-            Some(m) => 1 << m.min(BITS),
-        }
+        points.checked_ilog2().map_or(0, |m| 1 << m)
     }
 }
 

@@ -106,16 +106,38 @@ fn a_budget_below_a_complete_set_is_refused() {
     assert_eq!(e.answer.samples(), 3_600);
 }
 
-/// A lattice has 2²⁰ points, whatever the budget, and the run says that they are
+/// A lattice of 2¹⁰ points and no more.
+struct Ending(Lattice);
+
+impl Sampler for Ending {
+    type Stream<'a> = <Lattice as Sampler>::Stream<'a>;
+
+    fn stream(&self, block: Block) -> Self::Stream<'_> {
+        self.0.stream(block)
+    }
+}
+
+impl Randomize for Ending {
+    fn randomize(&self, replicate: u64) -> Self {
+        Self(self.0.randomize(replicate))
+    }
+
+    fn complete(&self, points: u64) -> u64 {
+        self.0.complete(points.min(1 << 10))
+    }
+}
+
+/// What has 2¹⁰ points has no more, whatever the budget, and the run says that they are
 /// used up; also where there is no budget, but a tolerance out of reach.
 #[test]
 fn points_that_are_not_there_are_not_asked_for() {
     let estimator = Importance::new(|x: f64| x, Interval::new(0.0, 1.0).unwrap());
-    let mut integrator = RandomizedQmc::new(estimator, Lattice::new(1, 1).unwrap(), 2).unwrap();
+    let mut integrator =
+        RandomizedQmc::new(estimator, Ending(Lattice::new(1, 1).unwrap()), 2).unwrap();
     let finished = run(&mut integrator, &Serial, &Stop::samples(1 << 40)).unwrap();
     assert_eq!(finished.reason, Reason::Points);
-    assert_eq!(finished.unspent, Some((1 << 40) - (1 << 21)));
-    assert_eq!(integrator.points(), 1 << 20);
+    assert_eq!(finished.unspent, Some((1 << 40) - (1 << 11)));
+    assert_eq!(integrator.points(), 1 << 10);
     let out_of_reach = Stop {
         samples: None,
         tolerance: Some(Tolerance::absolute(1e-300).unwrap()),

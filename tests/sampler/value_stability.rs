@@ -194,12 +194,12 @@ fn lattice() {
             ],
             [
                 0x3fd3_fed3_99e7_ab9e,
-                0x3fc7_5110_8bb6_2e64,
+                0x3fe5_d444_22ed_8b99,
                 0x3fd6_1322_e143_f61e
             ],
             [
                 0x3fe9_ff69_ccf3_d5cf,
-                0x3fe5_d444_22ed_8b99,
+                0x3fc7_5110_8bb6_2e64,
                 0x3fe4_b6bc_36da_509c
             ],
         ]
@@ -214,17 +214,17 @@ fn lattice() {
         [
             [
                 0x3fdf_759f_59d3_a8d0,
-                0x3fdd_e511_a2e1_b6a8,
+                0x3fa0_d772_e8f2_4ac0,
                 0x3fe3_199d_ccb7_af5e
             ],
             [
                 0x3fef_bacf_ace9_d468,
-                0x3fa0_d772_e8f2_4ac0,
+                0x3fdd_e511_a2e1_b6a8,
                 0x3fd0_13ac_7a72_4a3a
             ],
             [
                 0x3f81_4c14_c58a_e600,
-                0x3fee_f288_d170_db54,
+                0x3fe1_0d77_2e8f_24ac,
                 0x3fe1_43d9_23e5_4219
             ],
         ]

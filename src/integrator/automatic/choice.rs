@@ -10,9 +10,11 @@ use crate::value::Value;
 pub enum Method {
     /// [`MonteCarlo`](crate::integrator::MonteCarlo) on independent points.
     Plain,
-    /// Scrambled Sobol' nets ([`RandomizedQmc`](crate::integrator::RandomizedQmc)).
+    /// A scrambled Sobol' net ([`LongNet`](crate::integrator::LongNet)).
     Net,
-    /// The same through a grid that has learned and then stands still
+    /// A rank-1 lattice, shifted and folded ([`Lattice`](crate::sampler::Lattice)).
+    Lattice,
+    /// Nets through a grid that has learned and then stands still
     /// ([`Mapped`](crate::estimator::Mapped)).
     MappedNet,
     /// Nets through a mixture of normal densities that has found peaks.
@@ -28,6 +30,7 @@ impl fmt::Display for Method {
         f.write_str(match self {
             Self::Plain => "plain Monte Carlo",
             Self::Net => "scrambled nets",
+            Self::Lattice => "a folded lattice",
             Self::MappedNet => "nets through a learned map",
             Self::Peaks => "nets on peaks",
             Self::Strata => "VEGAS+",

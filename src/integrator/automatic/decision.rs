@@ -53,7 +53,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
                 Method::Peaks => size * unmet(peaks),
                 // A net is no worse than independent points.
                 Method::Net => size.min(plain) * below * unmet(even),
-                Method::Plain => size * below * unmet(even),
+                Method::Plain | Method::Lattice => size * below * unmet(even),
                 Method::Cubature if settled => -1.0,
                 Method::Cubature => size * CUBATURE,
             }
@@ -104,6 +104,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
                 (Stage::Answer, engine, self.findings.lessons, 0)
             }
             (Method::Plain, ..) => (Stage::Answer, None, 0, 0),
+            (Method::Lattice, ..) => (Stage::Answer, self.lattice(Stage::Answer), 0, 0),
             _ if points < FEWEST => (Stage::Answer, None, 0, 0),
             _ => (
                 Stage::Answer,

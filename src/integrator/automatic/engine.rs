@@ -7,6 +7,7 @@ use super::by::{By, Wide};
 use super::faces::{Probe, Probed};
 use super::mixed::Mixed;
 use super::mixture::Mixture;
+use super::points::Points;
 use super::search::{Search, SearchPartial};
 use crate::estimate::{Estimate, Moments, Tolerance};
 use crate::estimator::{Mapped, TryEstimator};
@@ -23,7 +24,7 @@ use crate::value::Value;
 pub(super) enum Engine<'a, E: TryEstimator> {
     Plain(MonteCarlo<By<'a, E>, Independent>),
     Probe(Probe<'a, E>),
-    Net(LongNet<By<'a, E>>),
+    Net(LongNet<By<'a, E>, Points>),
     Mapped(LongNet<Mapped<By<'a, E>>>),
     Strata(Box<Vegas<By<'a, E>>>),
     Boxes(Boxes<'a, E>),
@@ -70,15 +71,8 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
         Self::Plain(MonteCarlo::new(estimator, Independent::new(seed)))
     }
 
-    /// `None` in more dimensions than nets have.
-    pub(super) fn net(
-        estimator: By<'a, E>,
-        dimension: usize,
-        seed: u64,
-        in_parts: bool,
-    ) -> Option<Self> {
-        let net = Sobol::new(dimension).ok()?.scrambled(Owen, seed);
-        Some(Self::Net(LongNet::new(estimator, net).in_parts(in_parts)))
+    pub(super) fn net(estimator: By<'a, E>, points: Points, in_parts: bool) -> Self {
+        Self::Net(LongNet::of(estimator, points).in_parts(in_parts))
     }
 
     /// The same through a grid that stands still.

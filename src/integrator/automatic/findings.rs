@@ -110,6 +110,13 @@ pub(super) const FEWEST: u64 = 32;
 pub(super) const FACES: f64 = 0.1;
 /// The budget that a pilot is for where there is no limit.
 pub(super) const UNLIMITED: u64 = 1 << 17;
+/// Where the error of nets falls as fast, like n^−rate, that of a lattice falls faster
+/// by so much, and is the same at so many points; but not past those that its vector is
+/// made for.
+pub(super) const SMOOTH: f64 = 0.85;
+pub(super) const FASTER: f64 = 0.6;
+pub(super) const ALIKE_AT: u64 = 1 << 13;
+pub(super) const MOST_FOLDED: u64 = 1 << 20;
 /// A pilot takes this share of a budget, or this and so many more, at most so many.
 pub(super) const MOST_SHARE: f64 = 0.09;
 pub(super) const SHARE: f64 = 0.02;

@@ -12,6 +12,7 @@ mod fit;
 mod mixed;
 mod mixture;
 mod pilot;
+mod points;
 mod promise;
 mod search;
 
@@ -41,6 +42,7 @@ use findings::{Findings, Stage};
 /// | method | chosen where |
 /// |---|---|
 /// | adaptive cubature | few dimensions; smooth, or kinks and jumps along the axes |
+/// | a folded lattice | smooth, in more dimensions |
 /// | scrambled nets | most else |
 /// | nets through a learned map | peaks, poles, kinks along the axes |
 /// | nets on peaks that were searched for | narrow peaks, ridges |
