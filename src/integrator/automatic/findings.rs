@@ -110,11 +110,11 @@ pub(super) const FEWEST: u64 = 32;
 pub(super) const FACES: f64 = 0.1;
 /// The budget that a pilot is for where there is no limit.
 pub(super) const UNLIMITED: u64 = 1 << 17;
-/// Where the error of nets falls as fast, like n^−rate, that of a lattice falls faster
-/// by so much, and is the same at so many points; but not past those that its vector is
-/// made for.
-pub(super) const SMOOTH: f64 = 0.85;
-pub(super) const FASTER: f64 = 0.6;
+/// Where the error of nets falls like n^−rate, as fast as this or faster, that of a
+/// lattice falls faster by what the rate is above a jump's, and is the same at so many
+/// points; but not past those that its vector is made for.
+pub(super) const SMOOTH: f64 = 0.95;
+pub(super) const JUMP: f64 = 0.7;
 pub(super) const ALIKE_AT: u64 = 1 << 13;
 pub(super) const MOST_FOLDED: u64 = 1 << 20;
 /// A pilot takes this share of a budget, or this and so many more, at most so many.

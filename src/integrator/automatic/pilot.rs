@@ -7,7 +7,7 @@ use super::choice::{Method, Promise, Why};
 use super::engine::Engine;
 use super::faces::Probe;
 use super::findings::{
-    ALIKE_AT, BASE, BOXES, CLEARLY, FACES, FASTER, FEW, LEARN, LOOK, MANY, MOST_FOLDED, MOST_PILOT,
+    ALIKE_AT, BASE, BOXES, CLEARLY, FACES, FEW, JUMP, LEARN, LOOK, MANY, MOST_FOLDED, MOST_PILOT,
     MOST_SHARE, PILOT_LESSONS, PLAUSIBLE, ROUNDS, SHARE, SMALL, SMALL_DIMENSION, SMOOTH,
     STRATA_RATE, Shares, Stage, TEACH, TEACH_PEAKS, UNLIMITED,
 };
@@ -199,7 +199,8 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             && fits
             && smooth
         {
-            let factor = (ALIKE_AT as f64 / points as f64).powf(FASTER);
+            let faster = self.findings.rate - JUMP;
+            let factor = (ALIKE_AT as f64 / points as f64).powf(faster);
             let error = times(net.error, factor);
             self.promise(Method::Lattice, error);
         }
