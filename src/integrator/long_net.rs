@@ -418,6 +418,28 @@ mod tests {
     }
 
     #[test]
+    fn a_folded_lattice_is_better_than_a_net_and_its_bar_no_shorter_than_its_error() {
+        let f: F = |[x, y]| (x + y).exp();
+        let exact = (1_f64.exp() - 1.0).powi(2);
+        let [mut lattice, mut net] = [[0.0; 2]; 2];
+        for seed in 0..20 {
+            let estimator = Importance::new(f, UnitCube::<2>);
+            let stop = Stop::samples(1 << 12);
+            let points = Lattice::new(2, seed).unwrap().baker();
+            let of_lattice = run(&mut LongNet::on_lattice(estimator, points), &Serial, &stop);
+            let points = Sobol::new(2).unwrap().scrambled(Owen, seed);
+            let of_net = run(&mut LongNet::new(estimator, points), &Serial, &stop);
+            for (sums, found) in [(&mut lattice, of_lattice), (&mut net, of_net)] {
+                let e = found.unwrap().answer;
+                sums[0] += (e.mean - exact).powi(2);
+                sums[1] += e.standard_error.powi(2);
+            }
+        }
+        assert!(lattice[0] < net[0] / 4.0, "{lattice:?} {net:?}");
+        assert!(lattice[1] > lattice[0], "{lattice:?}");
+    }
+
+    #[test]
     fn budgets_in_between_are_left_or_taken_in_parts() {
         let f: F = |[x, y]| f64::from(x + y < 0.7);
         let spent = |in_parts| {

@@ -120,3 +120,31 @@ pub(super) const GENERATING_VECTOR: [u32; 1024] = [
     583_957, 251_225, 280_425, 462_961, 270_969, 512_325, 638_629, 644_185, 488_093, 85_021,
     235_289, 222_345, 803_153, 494_973, 549_841,
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether ±x₁ ± … of any five or fewer coordinates at the points k z/N is the same
+    /// for all k.
+    fn forgets(z: &[u32], n: i64) -> bool {
+        // Each coordinate is left out, added or taken away.
+        (1..3_usize.pow(z.len() as u32)).any(|code| {
+            let signs: Vec<i64> = (0..z.len() as u32)
+                .map(|k| (code / 3_usize.pow(k) % 3) as i64 - 1)
+                .collect();
+            let few = signs.iter().filter(|s| **s != 0).count() <= 5;
+            let sum: i64 = signs.iter().zip(z).map(|(s, z)| s * i64::from(*z)).sum();
+            few && signs.iter().any(|s| *s != 0) && sum % n == 0
+        })
+    }
+
+    #[test]
+    fn from_two_thousand_points_on_no_sum_is_forgotten() {
+        for m in 11..=20 {
+            assert!(!forgets(&GENERATING_VECTOR[..8], 1 << m), "2^{m}");
+        }
+        // 1 + 7 = 3 + 5
+        assert!(forgets(&[1, 3, 5, 7, 9, 11, 13, 15], 1 << 20));
+    }
+}
