@@ -10,12 +10,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use estimand::estimate::{Bounds, Histogram};
-use estimand::estimator::ControlVariates;
+use estimand::estimator::{ControlVariates, Residual};
 use estimand::integrator::{
-    BoundedMonteCarlo, ControlledMonteCarlo, HistogramMonteCarlo, Learning, Resumable,
+    BoundedMonteCarlo, ControlledMonteCarlo, HistogramMonteCarlo, Learning, LongNet,
+    QuadratureControlled, Resumable,
 };
 use estimand::pdf::AdaptiveGrid;
 use estimand::prelude::*;
+use estimand::quadrature::Degree;
 use estimand::run::{Checkpoint, CheckpointError, ResumeError, resume};
 use estimand::sampler::Owen;
 use serde::Serialize;
@@ -145,9 +147,18 @@ fn every_integrator_is_resumed_to_the_same_bits() {
         let grid = Stratified::new([31, 20, 30], 1, 7).unwrap();
         StratifiedMonteCarlo::new(Importance::new(f(fuse), UnitCube), grid)
     });
+    let net = || Sobol::new(3).unwrap().scrambled(Owen, 7);
     survives_cuts("net", 40_000, |fuse| {
-        let net = Sobol::new(3).unwrap().scrambled(Owen, 7);
-        RandomizedQmc::new(Importance::new(f(fuse), UnitCube), net, 9).unwrap()
+        RandomizedQmc::new(Importance::new(f(fuse), UnitCube), net(), 9).unwrap()
+    });
+    survives_cuts("long", 40_000, |fuse| {
+        LongNet::new(Importance::new(f(fuse), UnitCube), net())
+    });
+    survives_cuts("residual", 40_000, |fuse| {
+        let estimator = Importance::new(f(fuse), UnitCube);
+        let residual = Residual::fit(estimator, 3, Degree::Seven, 300).unwrap();
+        let polynomial = residual.polynomial().clone();
+        QuadratureControlled::new(LongNet::new(residual, net()), &polynomial)
     });
     survives_cuts("vegas", 60_000, |fuse| {
         Vegas::new(Importance::new(f(fuse), UnitCube), 3, 7).unwrap()

@@ -196,6 +196,18 @@ mod tests {
     use crate::pdf::Cuboid;
     use crate::sampler::{Block, Replay, Sampler};
 
+    fn at<E: TryEstimator<Error = core::convert::Infallible>>(
+        estimator: &E,
+        point: [f64; 2],
+    ) -> E::Value {
+        let replay = Replay::new([point]).unwrap();
+        let (index, start, len) = (0, 0, 1);
+        let mut points = replay.stream(Block { index, start, len });
+        points.next_point();
+        let Ok(found) = estimator.try_estimate(&mut points);
+        found
+    }
+
     /// At a point that is placed, by hand.
     #[test]
     fn the_residual_is_what_it_says() {
@@ -203,15 +215,7 @@ mod tests {
         let f = Importance::new(|[x, y]: [f64; 2]| [(x + y).abs(), 1.0 - x * y], cuboid);
         let residual = Residual::fit(f, 2, Degree::Seven, 2_000).unwrap();
         for u in [[0.1, 0.2], [0.5, 0.5], [0.0, 0.999]] {
-            let replay = Replay::new([u]).unwrap();
-            let block = Block {
-                index: 0,
-                start: 0,
-                len: 1,
-            };
-            let mut points = replay.stream(block);
-            points.next_point();
-            let Ok(found) = residual.try_estimate(&mut points);
+            let found = at(&residual, u);
             let mut x = u;
             let (weight, g) = residual.polynomial().place(&mut x);
             let [x, y] = [2.0 * x[0], x[1] - 1.0];
@@ -226,15 +230,7 @@ mod tests {
     fn coordinates_past_the_polynomial_pass() {
         let sum = FromFn(|u: &mut dyn Coordinates| u.next_1d() + 10.0 * u.next_1d());
         let residual = Residual::fit(sum, 1, Degree::Nine, 100).unwrap();
-        let replay = Replay::new([[0.3, 0.7]]).unwrap();
-        let block = Block {
-            index: 0,
-            start: 0,
-            len: 1,
-        };
-        let mut points = replay.stream(block);
-        points.next_point();
-        let Ok(found) = residual.try_estimate(&mut points);
+        let found = at(&residual, [0.3, 0.7]);
         assert!((found - 7.0).abs() < 1e-12, "{found}");
         assert!((residual.polynomial().integral() - 0.5).abs() < 1e-14);
     }

@@ -12,6 +12,10 @@ use proptest::prelude::*;
 
 const SEEDS: u64 = 200;
 
+fn peak<const D: usize>(x: [f64; D], at: f64, a: f64) -> f64 {
+    (-a * x.map(|x| (x - at).powi(2)).iter().sum::<f64>()).exp()
+}
+
 fn plain<const D: usize>(f: impl Fn([f64; D]) -> f64, seed: u64, n: u64) -> Estimate<f64> {
     let f: &dyn Fn([f64; D]) -> f64 = &f;
     let estimator = Importance::new(f, UnitCube::<D>);
@@ -198,13 +202,7 @@ fn what_is_wrong_is_doubted() {
         ("overflow", Box::new(|s| plain(|[x]| 1e300 * x, s, N))),
         (
             "peak, 6-D",
-            Box::new(|s| {
-                plain(
-                    |x: [f64; 6]| (-200.0 * x.map(|x| (x - 0.4).powi(2)).iter().sum::<f64>()).exp(),
-                    s,
-                    N,
-                )
-            }),
+            Box::new(|s| plain(|x: [f64; 6]| peak(x, 0.4, 200.0), s, N)),
         ),
         (
             "x^−0.75, vegas",
@@ -225,11 +223,7 @@ fn what_is_wrong_is_doubted() {
         // Each of 16 nets has 32 points, of which few count.
         (
             "peak, net, 10³",
-            Box::new(|s| {
-                let peak =
-                    |x: [f64; 3]| (-50.0 * x.map(|x| (x - 0.44).powi(2)).iter().sum::<f64>()).exp();
-                net(peak, s, 1_000)
-            }),
+            Box::new(|s| net(|x: [f64; 3]| peak(x, 0.44, 50.0), s, 1_000)),
         ),
         (
             "x^−0.75, strata",
