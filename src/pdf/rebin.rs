@@ -105,13 +105,19 @@ pub(super) fn equalised(old: &[f64], weights: &[f64], cells: usize) -> Vec<f64> 
         left = (left - wanted).max(0.0);
         *edge = old[cell + 1] - left / weights[cell] * (old[cell + 1] - old[cell]);
     }
+    apart(&mut edges);
+    edges
+}
+
+/// Moves edges that are nearer to each other than cells may be thin.
+pub(super) fn apart(edges: &mut [f64]) {
+    let cells = edges.len() - 1;
     for i in 1..cells {
         edges[i] = edges[i].max(edges[i - 1] + THINNEST);
     }
     for i in (1..cells).rev() {
         edges[i] = edges[i].min(edges[i + 1] - THINNEST);
     }
-    edges
 }
 
 /// By how much cells grow from a neighbour that is much narrower on.

@@ -40,6 +40,8 @@ const MOST_CUTS: usize = 1 << 12;
 const CLAIMED: f64 = 0.035;
 /// Passes that tell how fast values settle, whatever the boxes claim.
 const PASSES: usize = 5;
+/// Values that settle early may do so by chance: not so many times further than claimed.
+const APART: f64 = 8.0;
 /// How far promises are distrusted where there may be poles.
 const WARY: f64 = 10.0;
 
@@ -181,7 +183,7 @@ impl<'a, E: TryEstimator> Boxes<'a, E> {
             *e = if wary {
                 WARY * claims.max(values)
             } else {
-                claims.min(values)
+                claims.min(values.max(claims / APART))
             };
         }
         Some(E::Value::wide(promise))

@@ -6,9 +6,9 @@ use super::by::Wide;
 use super::choice::{Choice, Method, Promise, Why};
 use super::engine::Engine;
 use super::findings::{
-    APART, BELOW_MAP, BEYOND_MAP, BEYOND_STRATA, CUBATURE, EFFECTIVE, FAR, FEWEST, MEANT, MET,
-    PEAKED, POLES, ROUNDS_MORE, SHARP, STRATA, Shares, Stage, TEACH, TEACH_PEAKS, TEACHING,
-    TELLING, UNLIKE,
+    ALIKE, APART, BELOW_MAP, BEYOND_MAP, BEYOND_STRATA, CUBATURE, EFFECTIVE, FAR, FEWEST, FLAT,
+    MEANT, MET, PEAKED, POLES, ROUNDS_MORE, SHARP, STRATA, Shares, Stage, TAUGHT, TEACH,
+    TEACH_PEAKS, TEACHING, TELLING, UNLIKE,
 };
 use super::promise::layout;
 use crate::estimate::{Estimate, Moments};
@@ -34,7 +34,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         // What has few effective points has not met all that those of another have.
         let peaked = self.is_peaked();
         let (met, below) = if peaked { (1.0, BELOW_MAP) } else { (MET, 1.0) };
-        let alike = self.is_alike();
+        let (alike, flat) = (self.is_alike(ALIKE), self.is_alike(FLAT));
         let settled = self.findings.boxes.as_ref().is_some_and(Boxes::is_settled);
         let unmet = |share: f64| (most / (met * share)).max(1.0).powi(2);
         let of = |p: &Promise<_>| {
@@ -45,6 +45,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
                 // Of few points different from 0, the shares say little.
                 Method::MappedNet | Method::Strata if mapped < even && !peaked => f64::INFINITY,
                 Method::Peaks if peaks < TELLING.max(BEYOND_MAP * mapped) => f64::INFINITY,
+                Method::MappedNet if flat => size * TAUGHT * unmet(mapped),
                 Method::MappedNet if alike => size * unmet(mapped),
                 // Nets do not see the tails of a map that has learned a jump;
                 // independent points do.
@@ -130,13 +131,13 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
     /// Whether the samples of the pilot would have noticed what cubature missed.
     pub(super) fn agrees(&self, boxes: &Boxes<'a, E>) -> bool {
         let moments = self.findings.moments;
-        let (Some(cubature), Some(look)) = (boxes.answer(&moments), self.findings.look) else {
+        let promised = boxes.promise(boxes.spent(), false);
+        let (Some(cubature), Some(promised), Some(look)) =
+            (boxes.answer(&moments), promised, self.findings.look)
+        else {
             return false;
         };
-        let (value, error) = (
-            cubature.mean.components(),
-            cubature.standard_error.components(),
-        );
+        let (value, error) = (cubature.mean.components(), promised.components());
         let (mean, spread) = (look.mean.components(), look.standard_error.components());
         self.is_telling()
             && (0..<E::Value as Value>::Components::COUNT).all(|k| {
@@ -184,8 +185,8 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
     }
 
     /// Whether values behind the map are nearly all alike, with no tails to be missed,
-    /// and that by the map.
-    fn is_alike(&self) -> bool {
+    /// and that by the map: no more of them unlike than this share of those before it.
+    fn is_alike(&self, share: f64) -> bool {
         let unlike = |moments: &Moments<Wide<E>>| {
             let mut share = moments.effective_sample_size().components();
             let n = moments.count() as f64;
@@ -195,7 +196,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         self.findings.tried.is_some_and(|tried| {
             let (before, behind) = (unlike(&self.findings.moments), unlike(&tried.moments));
             let mut each = before.as_ref().iter().zip(behind.as_ref());
-            each.all(|(before, behind)| *behind <= UNLIKE.min(0.5 * before))
+            each.all(|(before, behind)| *behind <= UNLIKE.min(share * before))
         })
     }
 

@@ -20,6 +20,11 @@ use crate::pdf::AdaptiveGrid;
 use crate::sampler::{Independent, Owen, Sobol};
 use crate::value::Value;
 
+/// A grid that nets go through has so many cells for each that it learned with, or as many
+/// as make so many edges together.
+const FINER: usize = 4;
+const MOST_EDGES: usize = 1 << 16;
+
 /// One integrator of several.
 pub(super) enum Engine<'a, E: TryEstimator> {
     Plain(MonteCarlo<By<'a, E>, Independent>),
@@ -75,7 +80,7 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
         Self::Net(LongNet::of(estimator, points).in_parts(in_parts))
     }
 
-    /// The same through a grid that stands still.
+    /// The same through a grid that stands still, smoothed.
     pub(super) fn mapped(
         estimator: By<'a, E>,
         grid: AdaptiveGrid,
@@ -83,6 +88,9 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
         in_parts: bool,
     ) -> Option<Self> {
         let net = Sobol::new(grid.dimension()).ok()?.scrambled(Owen, seed);
+        let room = (MOST_EDGES / grid.dimension()).max(grid.cells());
+        let cells = (FINER * grid.cells()).min(room).next_power_of_two();
+        let grid = grid.smoothed(cells).ok()?;
         let net = LongNet::new(Mapped::new(grid, estimator), net);
         Some(Self::Mapped(net.in_parts(in_parts)))
     }

@@ -179,6 +179,13 @@ pub(super) const BELOW_MAP: f64 = 3.0;
 pub(super) const TELLING: f64 = 0.03;
 /// Values are nearly alike if no more of them are not effective.
 pub(super) const UNLIKE: f64 = 0.02;
+/// A map has made them so where no more than this share is left of what was not
+/// effective before.
+pub(super) const ALIKE: f64 = 0.5;
+/// Where so little is left, all there is may be a product of one factor for each axis: the
+/// map learns more before the answer, and comes to so much of what it promised.
+pub(super) const FLAT: f64 = 0.03;
+pub(super) const TAUGHT: f64 = 0.2;
 /// Two estimates so many standard errors apart disagree.
 pub(super) const APART: f64 = 5.0;
 /// Nets through a map are not taken to be better than so much of VEGAS+.

@@ -297,7 +297,10 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         {
             self.findings.shares.peaks = self.share(&estimate.moments);
             let Shares { mapped, peaks, .. } = self.findings.shares;
-            if mapped < peaks && self.disagree(&estimate) {
+            let tried = self.findings.tried.map(|e| self.size(e.mean));
+            let seen = self.size(estimate.mean);
+            let more = mapped < peaks || tried.is_some_and(|tried| tried < seen);
+            if more && self.disagree(&estimate) {
                 self.findings.shares.mapped = 0.0;
             }
             self.promise_of_net(Method::Peaks);
