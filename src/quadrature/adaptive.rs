@@ -91,7 +91,9 @@ pub fn adaptive<P: Pdf, V: Value>(
 /// families it is too large by a factor of some 40 (degree nine) or 200 (degree
 /// seven), less at kinks and jumps, and too small where the first dozen boxes
 /// are still too large to tell. A peak that lies between the nodes of the first
-/// boxes is not seen. Where g is 0 at every node, boxes are cut evenly: no
+/// boxes is not seen, nor is the part of a kink off the axes that cuts a corner between
+/// the nodes of a box: with g straight on both sides of one, in two dimensions, the error
+/// was 3 times that claimed after 50,000 evaluations. Where g is 0 at every node, boxes are cut evenly: no
 /// relative tolerance is met by 0 ± 0.
 ///
 /// Boxes are not cut beyond what a double resolves, which is finest at u = 0:

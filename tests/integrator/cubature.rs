@@ -287,6 +287,28 @@ fn a_narrow_peak_between_all_nodes_is_not_seen() {
     assert!(found.converged && found.regions == 1 && (found.value - 1.0_f64).abs() < 1e-12);
 }
 
+/// Nor is a kink off the axes, where it reaches into a corner that no node is in, of a
+/// box that looks smooth. With f straight on both sides, nothing else makes up for it: the
+/// error is 2.8 times that claimed, and does not fall any more.
+#[test]
+fn a_kink_in_corners_between_all_nodes_is_not_seen() {
+    let (a, b) = (0.83, 1.37);
+    let c = 0.47 * (a + b);
+    let f = |[x, y]: [f64; 2]| (c - a * x - b * y).abs();
+    // ∫|g| = 2∫g₊ − ∫g; the line g = 0 leaves the square at x = 1.
+    let above = (c.powi(3) - (c - a).powi(3)) / (6.0 * a * b);
+    let exact = 2.0 * above - (c - 0.5 * (a + b));
+    let mut state = Adaptive::new(f, UnitCube::<2>, Degree::Seven).unwrap();
+    let off = |state: &mut Adaptive<_, _, f64>| {
+        let found = state.refine(&relative(1e-15), 50_000).unwrap();
+        ((found.value - exact).abs(), found.error)
+    };
+    let (first, claimed) = off(&mut state);
+    assert!((2.0..4.0).contains(&(first / claimed)), "{first} {claimed}");
+    let (last, _) = (0..9).map(|_| off(&mut state)).last().unwrap();
+    assert!(last > 0.5 * first, "{last} {first}");
+}
+
 /// A region costs room in three lists and no allocation of its own.
 #[test]
 fn no_region_allocates() {
