@@ -6,12 +6,12 @@ use super::by::Wide;
 use super::choice::{Choice, Method, Promise, Why};
 use super::engine::Engine;
 use super::findings::{
-    ALIKE, APART, BELOW_MAP, BEYOND_MAP, BEYOND_STRATA, CUBATURE, EFFECTIVE, FAR, FEWEST, FLAT,
-    MEANT, MET, PEAKED, POLES, ROUNDS_MORE, SHARP, STRATA, Shares, Stage, TAUGHT, TEACH,
-    TEACH_PEAKS, TEACHING, TELLING, UNLIKE,
+    ALIKE, BELOW_MAP, BEYOND_MAP, BEYOND_STRATA, CUBATURE, EFFECTIVE, FAR, FEWEST, FLAT, Findings,
+    MEANT, MET, MISSED, PEAKED, POLES, ROUNDS_MORE, SHARP, STRATA, Shares, Stage, TAUGHT, TEACH,
+    TEACH_PEAKS, TEACHING, TELLING, TELLING_ALONE, UNLIKE,
 };
 use super::promise::layout;
-use crate::estimate::{Estimate, Moments};
+use crate::estimate::Moments;
 use crate::estimator::TryEstimator;
 use crate::integrator::Learning;
 use crate::value::{Components, Value};
@@ -35,6 +35,12 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         let peaked = self.is_peaked();
         let (met, below) = if peaked { (1.0, BELOW_MAP) } else { (MET, 1.0) };
         let (alike, flat) = (self.is_alike(ALIKE), self.is_alike(FLAT));
+        // Nothing else has met all of them where the map has not.
+        let telling = if mapped > 0.0 {
+            TELLING
+        } else {
+            TELLING.min(TELLING_ALONE * even)
+        };
         let settled = self.findings.boxes.as_ref().is_some_and(Boxes::is_settled);
         let unmet = |share: f64| (most / (met * share)).max(1.0).powi(2);
         let of = |p: &Promise<_>| {
@@ -44,7 +50,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
                 // from even, whose errors few samples show.
                 // Of few points different from 0, the shares say little.
                 Method::MappedNet | Method::Strata if mapped < even && !peaked => f64::INFINITY,
-                Method::Peaks if peaks < TELLING.max(BEYOND_MAP * mapped) => f64::INFINITY,
+                Method::Peaks if peaks < telling.max(BEYOND_MAP * mapped) => f64::INFINITY,
                 Method::MappedNet if flat => size * TAUGHT * unmet(mapped),
                 Method::MappedNet if alike => size * unmet(mapped),
                 // Nets do not see the tails of a map that has learned a jump;
@@ -200,18 +206,19 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         })
     }
 
-    /// Whether nets through the map and nets on peaks disagree.
-    pub(super) fn disagree(&self, peaks: &Estimate<Wide<E>>) -> bool {
-        let Some(mapped) = &self.findings.tried else {
+    /// Whether the search for peaks was where the map hardly goes, and found values that
+    /// would weigh far more there than any that nets through the map met.
+    pub(super) fn has_missed(&self) -> bool {
+        let Findings {
+            search: Some(search),
+            grid: Some(grid),
+            tried: Some(tried),
+            ..
+        } = &self.findings
+        else {
             return false;
         };
-        let of = |e: &Estimate<Wide<E>>| (e.mean.components(), e.standard_error.components());
-        let ((a, s), (b, t)) = (of(mapped), of(peaks));
-        let means = a.as_ref().iter().zip(b.as_ref());
-        let errors = s.as_ref().iter().zip(t.as_ref());
-        means
-            .zip(errors)
-            .any(|((a, b), (s, t))| (a - b).abs() > APART * s.hypot(*t))
+        search.largest_behind(grid) > MISSED * self.size(tried.moments.largest())
     }
 
     /// The share of samples that is effective, in the component where it is least, of

@@ -186,8 +186,12 @@ pub(super) const ALIKE: f64 = 0.5;
 /// map learns more before the answer, and comes to so much of what it promised.
 pub(super) const FLAT: f64 = 0.03;
 pub(super) const TAUGHT: f64 = 0.2;
-/// Two estimates so many standard errors apart disagree.
-pub(super) const APART: f64 = 5.0;
+/// A map has missed something if, seen through it, a value that the search for peaks has met
+/// is so many times larger than all that nets through it have.
+pub(super) const MISSED: f64 = 1000.0;
+/// So many times more of the samples on peaks are effective than of those spread evenly,
+/// where there is no map to compare with.
+pub(super) const TELLING_ALONE: f64 = 5.0;
 /// Nets through a map are not taken to be better than so much of VEGAS+.
 pub(super) const BEYOND_STRATA: f64 = 0.02;
 /// Cubature's promise has to be so many times better than that of nets to end the

@@ -44,7 +44,7 @@ use findings::{Findings, Stage};
 /// | adaptive cubature | few dimensions; smooth, or kinks and jumps along the axes |
 /// | a folded lattice | smooth, in more dimensions |
 /// | scrambled nets | most else |
-/// | nets through a learned map | peaks, poles, kinks along the axes |
+/// | nets through a learned map | peaks, poles, kinks along the axes; in more dimensions all that is nearly a product of one factor for each axis |
 /// | nets on peaks that were searched for | narrow peaks, ridges |
 /// | VEGAS+ | what the pilot has found nothing of |
 /// | plain Monte Carlo | budgets too small for anything else |

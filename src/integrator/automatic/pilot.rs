@@ -9,7 +9,7 @@ use super::faces::Probe;
 use super::findings::{
     ALIKE_AT, BASE, BOXES, CLEARLY, FACES, FEW, JUMP, LEARN, LOOK, MANY, MOST_FOLDED, MOST_PILOT,
     MOST_SHARE, PILOT_LESSONS, PLAUSIBLE, ROUNDS, SHARE, SMALL, SMALL_DIMENSION, SMOOTH,
-    STRATA_RATE, Shares, Stage, TEACH, TEACH_PEAKS, UNLIMITED,
+    STRATA_RATE, Stage, TEACH, TEACH_PEAKS, UNLIMITED,
 };
 use super::mixture::MOST_AXES;
 use super::points::Points;
@@ -296,11 +296,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             && let Some(estimate) = net.answer()
         {
             self.findings.shares.peaks = self.share(&estimate.moments);
-            let Shares { mapped, peaks, .. } = self.findings.shares;
-            let tried = self.findings.tried.map(|e| self.size(e.mean));
-            let seen = self.size(estimate.mean);
-            let more = mapped < peaks || tried.is_some_and(|tried| tried < seen);
-            if more && self.disagree(&estimate) {
+            if self.has_missed() {
                 self.findings.shares.mapped = 0.0;
             }
             self.promise_of_net(Method::Peaks);

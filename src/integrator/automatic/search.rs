@@ -9,6 +9,7 @@ use crate::estimator::TryEstimator;
 use crate::integrator::sample_block::is_finite;
 use crate::integrator::{Cause, NonFinite, SampleError};
 use crate::merge::Merge;
+use crate::pdf::AdaptiveGrid;
 use crate::sampler::{Block, Coordinates, Independent, Sampler};
 use crate::value::Value;
 
@@ -123,6 +124,19 @@ impl<'a, E: TryEstimator> Search<'a, E> {
 
     pub(super) const fn mixture(&self) -> &Mixture {
         &self.mixture
+    }
+
+    /// The largest |f|/p at the points so far, in units of the scales.
+    pub(super) fn largest_behind(&self, grid: &AdaptiveGrid) -> f64 {
+        let points = self.points.chunks(self.mixture.dimension());
+        let weights = points.zip(&self.sizes).map(|(x, size)| {
+            let axes = x.iter().enumerate();
+            let volume: f64 = axes
+                .map(|(axis, x)| grid.unwarp(axis, *x).1.width)
+                .product();
+            size * volume
+        });
+        weights.fold(0.0, f64::max)
     }
 
     pub(super) const fn spent(&self) -> u64 {
@@ -247,5 +261,43 @@ impl<'a, E: TryEstimator> Search<'a, E> {
             }
         }
         of(low)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimator::Importance;
+    use crate::pdf::UnitCube;
+
+    /// Behind a grid that hardly goes where the values are, they weigh as much more as its
+    /// density there is smaller.
+    #[test]
+    fn what_a_map_leaves_out_stands_out() {
+        let peak = |x: [f64; 2]| (-200.0 * x.map(|x| (x - 0.8).powi(2)).iter().sum::<f64>()).exp();
+        let estimator = Importance::new(peak, UnitCube::<2>);
+        let mut search = Search::new(By::new(&estimator), 2, 7, [1.0], (256, 1));
+        let blocks = search.plan(256);
+        let pass = (0..blocks)
+            .map(|index| match search.block(index) {
+                ControlFlow::Continue(found) | ControlFlow::Break(found) => found,
+            })
+            .reduce(|mut left, right| {
+                left.merge(right);
+                left
+            });
+        search.absorb(pass.unwrap(), blocks).unwrap();
+
+        let even = AdaptiveGrid::new(2, 1).unwrap();
+        // 999 of 1,000 cells lie below ½.
+        let mut edges: Vec<f64> = (0..1000).map(|i| f64::from(i) / 1998.0).collect();
+        edges.push(1.0);
+        let below = AdaptiveGrid::from_edges(&[edges.clone(), edges]).unwrap();
+        let (plain, behind) = (search.largest_behind(&even), search.largest_behind(&below));
+        assert!(plain > 0.1 && plain < 1.0);
+        assert!(
+            (behind / plain - 250_000.0).abs() < 1e-6,
+            "{behind} {plain}"
+        );
     }
 }
