@@ -17,28 +17,31 @@ use crate::value::Value;
 ///
 /// Coordinates past the grid's axes pass unchanged. Any sampler will do: points
 /// of a net through a grid that has learned where the integrand is large are
-/// often better than either alone.
+/// often better than either alone, most so once the grid is
+/// [smooth](AdaptiveGrid::smoothed).
 ///
 /// # Example
 ///
 /// ```
 /// use estimand::estimator::Mapped;
-/// use estimand::integrator::Vegas;
 /// use estimand::prelude::*;
 /// use estimand::sampler::{Owen, Sobol};
 ///
-/// let peak = |[x, y]: [f64; 2]| (-1e3 * ((x - 0.3).powi(2) + (y - 0.6).powi(2))).exp();
-/// let estimator = Importance::new(peak, UnitCube::<2>);
+/// let bell = |x: [f64; 6]| (-4.0 * x.map(|x| (x - 0.6).powi(2)).iter().sum::<f64>()).exp();
+/// let estimator = Importance::new(bell, UnitCube::<6>);
 ///
-/// // Learn for 10,000 samples, then put a net through the grid.
-/// let mut vegas = Vegas::new(estimator, 2, 7)?;
-/// run(&mut vegas, &Serial, &Stop::samples(10_000))?;
-/// let points = Sobol::new(2)?.scrambled(Owen, 7);
-/// let mut net = RandomizedQmc::new(Mapped::new(vegas.grid(), &estimator), points, 8)?;
-/// let e = run(&mut net, &Serial, &Stop::samples(1 << 15))?.answer;
-/// let exact = core::f64::consts::PI * 1e-3;
-/// assert!((e.mean - exact).abs() < 6.0 * e.standard_error);
-/// assert!(e.standard_error < 0.01 * exact);
+/// // Learn for 20,000 samples, then put a net through the grid, as it is and smooth.
+/// let mut vegas = Vegas::new(&estimator, 6, 7)?;
+/// let learned = run(&mut vegas, &Serial, &Stop::samples(20_000))?.answer;
+/// let smooth = vegas.grid().smoothed(4096)?;
+/// let mut errors = [0.0; 2];
+/// for (grid, error) in [vegas.grid(), &smooth].into_iter().zip(&mut errors) {
+///     let points = Sobol::new(6)?.scrambled(Owen, 7);
+///     let mut net = RandomizedQmc::new(Mapped::new(grid, &estimator), points, 8)?;
+///     *error = run(&mut net, &Serial, &Stop::samples(1 << 16))?.answer.standard_error;
+/// }
+/// assert!(errors[0] < 0.1 * learned.standard_error);
+/// assert!(errors[1] < 0.3 * errors[0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

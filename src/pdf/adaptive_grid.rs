@@ -1,9 +1,9 @@
 //! Lepage's map: a grid that learns where an integrand is large.
 
 use super::grid_error::MOST_CELLS;
-use super::grid_smooth::smoothed;
+use super::grid_smooth::curve;
 use super::grid_warp::{BELOW_ONE, warp};
-use super::rebin::{FLOOR, NOISE, equalised, graded, weights};
+use super::rebin::{FLOOR, NOISE, apart, equalised, graded, weights};
 use super::{AdaptiveGridError, GridHistogram};
 
 /// A map of the unit cube, axis by axis, that learns: each axis is cut into
@@ -127,32 +127,14 @@ impl AdaptiveGrid {
     }
 
     /// The same map, smooth: nearly the density of before, in another number of cells of
-    /// equal probability, with edges on a monotone cubic through those that there are.
+    /// equal probability, with edges on a monotone cubic through those that there are (but
+    /// for cells thinner than 2⁻⁵⁰).
     ///
     /// Where points of a net are to go through a grid that has learned, let cells be 2ᵏ,
     /// some thousands: such cells hold whole strata of a net, whose points no jump of the
-    /// density then cuts apart, and jumps are small. The error of a smooth integrand is 10
-    /// to 100 times smaller than through 1,000 cells.
-    ///
-    /// ```
-    /// use estimand::estimator::Mapped;
-    /// use estimand::prelude::*;
-    /// use estimand::sampler::{Owen, Sobol};
-    ///
-    /// let bell = |x: [f64; 6]| (-4.0 * x.map(|x| (x - 0.6).powi(2)).iter().sum::<f64>()).exp();
-    /// let estimator = Importance::new(bell, UnitCube::<6>);
-    /// let mut vegas = Vegas::new(&estimator, 6, 7)?;
-    /// run(&mut vegas, &Serial, &Stop::samples(20_000))?;
-    ///
-    /// let error = |grid| {
-    ///     let points = Sobol::new(6)?.scrambled(Owen, 7);
-    ///     let mut net = RandomizedQmc::new(Mapped::new(grid, &estimator), points, 8)?;
-    ///     let e = run(&mut net, &Serial, &Stop::samples(1 << 16))?.answer;
-    ///     Ok::<_, Box<dyn std::error::Error>>(e.standard_error)
-    /// };
-    /// assert!(error(vegas.grid().smoothed(4096)?)? < 0.3 * error(vegas.grid().clone())?);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
+    /// density then cuts apart, and jumps are small: on smooth integrands of ours errors are
+    /// 2 to 30 times smaller, most where these are nearly products of a factor for each axis
+    /// ([`Mapped`](crate::estimator::Mapped) has an example).
     ///
     /// # Errors
     ///
@@ -161,12 +143,17 @@ impl AdaptiveGrid {
         if !(1..=MOST_CELLS).contains(&cells) {
             return Err(AdaptiveGridError::Cells(cells));
         }
-        let axes = self.edges.chunks(self.cells + 1);
-        Ok(Self {
+        let mut grid = Self {
             dimension: self.dimension,
             cells,
-            edges: axes.flat_map(|old| smoothed(old, cells)).collect(),
-        })
+            edges: Vec::with_capacity(self.dimension * (cells + 1)),
+        };
+        for old in self.edges.chunks(self.cells + 1) {
+            let mut edges = curve(old, cells);
+            apart(&mut edges);
+            grid.edges.extend(edges);
+        }
+        Ok(grid)
     }
 
     /// How many axes it has.
@@ -466,6 +453,9 @@ mod tests {
             Err("a grid of 0 axes was asked for".into())
         );
         assert_eq!(AdaptiveGrid::new(1, 0), Err(AdaptiveGridError::Cells(0)));
+        let grid = AdaptiveGrid::new(2, 7).unwrap();
+        assert_eq!(grid.smoothed(0), Err(AdaptiveGridError::Cells(0)));
+        assert_eq!(grid.smoothed(1), AdaptiveGrid::new(2, 1));
         let edges = |e: &[f64]| text(AdaptiveGrid::from_edges(&[e.to_vec()]));
         assert_eq!(
             edges(&[0.0, 0.5, 0.5, 1.0]),

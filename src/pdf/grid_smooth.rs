@@ -1,7 +1,5 @@
 //! A smooth curve through the edges of a grid.
 
-use super::rebin::apart;
-
 /// The edges of `cells` cells of equal probability, on the monotone cubic x(u) through
 /// the `old` edges:
 ///
@@ -16,7 +14,7 @@ use super::rebin::apart;
 ///
 /// Source: Fritsch & Butland, *A Method for Constructing Local Monotone Piecewise Cubic
 /// Interpolants* (1984).
-pub(super) fn smoothed(old: &[f64], cells: usize) -> Vec<f64> {
+pub(super) fn curve(old: &[f64], cells: usize) -> Vec<f64> {
     let n = old.len() - 1;
     let width = |i: usize| old[i + 1] - old[i];
     let inner = |i: usize| {
@@ -31,18 +29,18 @@ pub(super) fn smoothed(old: &[f64], cells: usize) -> Vec<f64> {
         i => inner(i),
     };
     let edge = |k: usize| {
-        let (i, rest) = (k * n / cells, k * n % cells);
-        if rest == 0 {
+        // In 64 bits on any machine.
+        let (at, cells) = (k as u64 * n as u64, cells as u64);
+        let i = (at / cells) as usize;
+        if at % cells == 0 {
             return old[i];
         }
-        let t = rest as f64 / cells as f64;
+        let t = (at % cells) as f64 / cells as f64;
         let (h, from, to) = (width(i), slope(i), slope(i + 1));
         let cubic = 3.0 * h - 2.0 * from - to + (from + to - 2.0 * h) * t;
         old[i] + (from + cubic * t) * t
     };
-    let mut edges: Vec<f64> = (0..=cells).map(edge).collect();
-    apart(&mut edges);
-    edges
+    (0..=cells).map(edge).collect()
 }
 
 #[cfg(test)]
@@ -57,12 +55,12 @@ mod tests {
             .collect()
     }
 
-    /// Its error falls faster than that of a line from edge to edge, away from the pole
-    /// of x′ at 0.
+    /// Its error is less than a fifth of that of a line from edge to edge, away from the
+    /// pole of x′ at 0.
     #[test]
     fn comes_near_what_the_edges_are_of() {
         let (old, exact) = (quantiles(16), quantiles(256));
-        let smooth = smoothed(&old, 256);
+        let smooth = curve(&old, 256);
         for k in 64..=256 {
             let (i, t) = (k / 16, f64::from((k % 16) as u32) / 16.0);
             let line = old[i] + t * (old[(i + 1).min(16)] - old[i]);
@@ -76,28 +74,34 @@ mod tests {
         for n in [1, 2, 3, 8] {
             let even =
                 |n: u32| -> Vec<f64> { (0..=n).map(|i| f64::from(i) / f64::from(n)).collect() };
-            for (found, exact) in smoothed(&even(n), 32).iter().zip(even(32)) {
+            for (found, exact) in curve(&even(n), 32).iter().zip(even(32)) {
                 assert!((found - exact).abs() < 1e-15);
             }
         }
     }
 
     proptest! {
-        /// From 0 to 1, through all edges that there were, and each above the one before,
-        /// however unlike the cells are.
+        /// From 0 to 1, through all edges that there were, and nowhere down, however unlike
+        /// the cells are.
         #[test]
-        fn rises_through_the_edges(powers in prop::collection::vec(-40.0..0.0_f64, 1..20), finer in 1_usize..9) {
+        fn rises_through_the_edges(
+            powers in prop::collection::vec(-12.0..0.0_f64, 1..20),
+            cells in 1_usize..400,
+        ) {
             let widths: Vec<f64> = powers.iter().map(|p| p.exp2()).collect();
             let sum: f64 = widths.iter().sum();
             let mut old = vec![0.0];
-            old.extend(widths.iter().scan(0.0, |at, w| { *at += w / sum; Some(*at) }));
+            old.extend(widths.iter().scan(0.0, |at, w| {
+                *at += w / sum;
+                Some(*at)
+            }));
             let n = widths.len();
             old[n] = 1.0;
-            let edges = smoothed(&old, n * finer);
-            prop_assert!(edges[0] == 0.0 && edges[n * finer] == 1.0);
+            let edges = curve(&old, cells);
+            prop_assert!(edges[0] == 0.0 && edges[cells] == 1.0);
             prop_assert!(edges.windows(2).all(|e| e[0] < e[1]), "{:?}", edges);
-            for i in 0..=n {
-                prop_assert!((edges[i * finer] - old[i]).abs() < 1e-12);
+            for k in (0..=cells).filter(|k| k * n % cells == 0) {
+                prop_assert_eq!(edges[k], old[k * n / cells]);
             }
         }
     }

@@ -40,8 +40,8 @@ const MOST_CUTS: usize = 1 << 12;
 const CLAIMED: f64 = 0.035;
 /// Passes that tell how fast values settle, whatever the boxes claim.
 const PASSES: usize = 5;
-/// Values that settle early may do so by chance: not so many times further than claimed.
-const APART: f64 = 8.0;
+/// Values may stand still by chance: what the claims promise is not divided by more.
+const BELOW_CLAIMS: f64 = 8.0;
 /// How far promises are distrusted where there may be poles.
 const WARY: f64 = 10.0;
 
@@ -167,7 +167,8 @@ impl<'a, E: TryEstimator> Boxes<'a, E> {
     /// before the first box.
     ///
     /// Boxes claim more than their errors are, so the smaller of what the claims say
-    /// ([`by_claims`]) and what the values say ([`by_values`]) is taken. Who is `wary`
+    /// ([`by_claims`]) and what the values say ([`by_values`]) is taken, but not less than
+    /// an eighth of what the claims say. Who is `wary`
     /// takes the larger: boxes that have not met a pole know nothing of it.
     pub(super) fn promise(&self, evaluations: u64, wary: bool) -> Option<Wide<E>> {
         if self.stuck {
@@ -183,7 +184,7 @@ impl<'a, E: TryEstimator> Boxes<'a, E> {
             *e = if wary {
                 WARY * claims.max(values)
             } else {
-                claims.min(values.max(claims / APART))
+                claims.min(values.max(claims / BELOW_CLAIMS))
             };
         }
         Some(E::Value::wide(promise))

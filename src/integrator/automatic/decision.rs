@@ -30,17 +30,19 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             mapped,
             peaks,
         } = self.findings.shares;
-        let most = even.max(mapped).max(peaks);
         // What has few effective points has not met all that those of another have.
         let peaked = self.is_peaked();
         let (met, below) = if peaked { (1.0, BELOW_MAP) } else { (MET, 1.0) };
         let (alike, flat) = (self.is_alike(ALIKE), self.is_alike(FLAT));
-        // Nothing else has met all of them where the map has not.
+        let missed = self.findings.missed;
+        let mapped = if missed { 0.0 } else { mapped };
+        // Without a map to compare with, peaks have to be better than even points.
         let telling = if mapped > 0.0 {
             TELLING
         } else {
             TELLING.min(TELLING_ALONE * even)
         };
+        let most = even.max(mapped).max(peaks);
         let settled = self.findings.boxes.as_ref().is_some_and(Boxes::is_settled);
         let unmet = |share: f64| (most / (met * share)).max(1.0).powi(2);
         let of = |p: &Promise<_>| {
@@ -49,6 +51,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
                 // With many axes, what noise teaches adds up to a density that is far
                 // from even, whose errors few samples show.
                 // Of few points different from 0, the shares say little.
+                Method::MappedNet | Method::Strata if missed => f64::INFINITY,
                 Method::MappedNet | Method::Strata if mapped < even && !peaked => f64::INFINITY,
                 Method::Peaks if peaks < telling.max(BEYOND_MAP * mapped) => f64::INFINITY,
                 Method::MappedNet if flat => size * TAUGHT * unmet(mapped),
@@ -202,7 +205,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         self.findings.tried.is_some_and(|tried| {
             let (before, behind) = (unlike(&self.findings.moments), unlike(&tried.moments));
             let mut each = before.as_ref().iter().zip(behind.as_ref());
-            each.all(|(before, behind)| *behind <= UNLIKE.min(share * before))
+            each.all(|(before, behind)| *behind <= UNLIKE && *behind < share * before)
         })
     }
 

@@ -20,8 +20,8 @@ use crate::pdf::AdaptiveGrid;
 use crate::sampler::{Independent, Owen, Sobol};
 use crate::value::Value;
 
-/// A grid that nets go through has so many cells for each that it learned with, or as many
-/// as make so many edges together.
+/// A grid that nets go through has at least so many cells for each that it learned with,
+/// rounded up to 2ᵏ; where these would be more edges than this, as many as it learned with.
 const FINER: usize = 4;
 const MOST_EDGES: usize = 1 << 16;
 

@@ -71,6 +71,8 @@ pub(super) struct Findings<'a, E: TryEstimator> {
     /// Of nets through the map.
     pub(super) tried: Option<Estimate<Wide<E>>>,
     pub(super) grid: Option<AdaptiveGrid>,
+    /// Whether the map has missed what the search for peaks has met.
+    pub(super) missed: bool,
     pub(super) search: Option<Box<Search<'a, E>>>,
     /// What it took to learn.
     pub(super) lessons: u64,
@@ -95,6 +97,7 @@ impl<E: TryEstimator> Default for Findings<'_, E> {
             shares: Shares::default(),
             tried: None,
             grid: None,
+            missed: false,
             search: None,
             lessons: 0,
             promises: Vec::new(),
@@ -186,7 +189,7 @@ pub(super) const ALIKE: f64 = 0.5;
 /// map learns more before the answer, and comes to so much of what it promised.
 pub(super) const FLAT: f64 = 0.03;
 pub(super) const TAUGHT: f64 = 0.2;
-/// A map has missed something if, seen through it, a value that the search for peaks has met
+/// A map has missed something if, at the density that it learned, a value that the search for peaks has met
 /// is so many times larger than all that nets through it have.
 pub(super) const MISSED: f64 = 1000.0;
 /// So many times more of the samples on peaks are effective than of those spread evenly,

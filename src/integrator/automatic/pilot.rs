@@ -276,6 +276,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             self.findings.tried = net.answer();
             let moments = self.findings.tried.map(|e| e.moments);
             self.findings.shares.mapped = moments.map_or(0.0, |m| self.share(&m));
+            self.findings.missed = self.has_missed();
         }
         let Some(search) = &self.findings.search else {
             return self.decide();
@@ -296,9 +297,6 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             && let Some(estimate) = net.answer()
         {
             self.findings.shares.peaks = self.share(&estimate.moments);
-            if self.has_missed() {
-                self.findings.shares.mapped = 0.0;
-            }
             self.promise_of_net(Method::Peaks);
         }
         self.decide();

@@ -59,7 +59,7 @@ pub(super) fn rate(history: &[(u64, f64)], known: Prior) -> f64 {
 /// The largest of the components, each in units of what the values are like.
 pub(super) fn size<C: Components>(error: &C, scales: &C) -> f64 {
     let terms = error.as_ref().iter().zip(scales.as_ref());
-    terms.map(|(e, s)| (e * s).abs()).fold(0.0, f64::max)
+    terms.map(|(e, s)| e * s).fold(0.0, f64::max)
 }
 
 /// `error` · `factor`
