@@ -100,7 +100,7 @@ mod tests {
             let edges = curve(&old, cells);
             prop_assert!(edges[0] == 0.0 && edges[cells] == 1.0);
             prop_assert!(edges.windows(2).all(|e| e[0] < e[1]), "{:?}", edges);
-            for k in (0..=cells).filter(|k| k * n % cells == 0) {
+            for k in (0..=cells).filter(|k| (k * n).is_multiple_of(cells)) {
                 prop_assert_eq!(edges[k], old[k * n / cells]);
             }
         }
