@@ -93,8 +93,8 @@ pub fn adaptive<P: Pdf, V: Value>(
 /// are still too large to tell. A peak that lies between the nodes of the first
 /// boxes is not seen, nor is the part of a kink off the axes that cuts a corner between
 /// the nodes of a box: with g straight on both sides of one, the error was 3 times that
-/// claimed in two dimensions (degree seven, 50,000 evaluations). Where g is 0 at every node, boxes are cut evenly: no
-/// relative tolerance is met by 0 ± 0.
+/// claimed in two dimensions (degree seven, 50,000 evaluations). Where g is 0 at every
+/// node, boxes are cut evenly: no relative tolerance is met by 0 ± 0.
 ///
 /// Boxes are not cut beyond what a double resolves, which is finest at u = 0:
 /// poles belong there, or into the pdf.

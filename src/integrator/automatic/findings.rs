@@ -189,8 +189,8 @@ pub(super) const ALIKE: f64 = 0.5;
 /// map learns more before the answer, and comes to so much of what it promised.
 pub(super) const FLAT: f64 = 0.03;
 pub(super) const TAUGHT: f64 = 0.2;
-/// A map has missed something if, at the density that it learned, a value that the search for peaks has met
-/// is so many times larger than all that nets through it have.
+/// A map has missed something if, at the density that it learned, a value that the search
+/// for peaks has met is so many times larger than all that nets through it have.
 pub(super) const MISSED: f64 = 1000.0;
 /// So many times more of the samples on peaks are effective than of those spread evenly,
 /// where there is no map to compare with.
