@@ -4,6 +4,7 @@ use core::fmt;
 
 use super::QuadratureError;
 use super::composite::finite;
+use super::partition::Partition;
 use super::regions::{BoxRule, NotFinite, Regions};
 use super::symmetric::Degree;
 use crate::estimate::{Tolerance, with_errors};

@@ -2,26 +2,29 @@
 
 use std::collections::BinaryHeap;
 
-use super::QuadratureError;
+use super::found::Found;
+use super::partition::Partition;
 use super::projection::Projection;
-use super::regions::{BoxRule, Rank};
-use crate::value::{Components, Value};
+use super::regions::{BoxRule, NotFinite, Rank, Regions};
+use super::symmetric::Degree;
+use crate::value::Components;
 
 /// A box, and the polynomial in it.
 #[derive(Clone, Debug)]
-pub(super) struct Piece<C> {
+pub(crate) struct Piece<C> {
     /// The centre, then half the sides.
     pub(super) bounds: Vec<f64>,
     pub(super) coefficients: Vec<f64>,
-    /// The integral over it.
-    pub(super) value: C,
+    /// What the rule finds.
+    pub(super) found: Found<C>,
     pub(super) volume: f64,
     /// Volume times the root mean square of each component.
     pub(super) size: C,
     /// ∫ |f − g|, about.
     pub(super) left: f64,
-    /// The axis to cut.
-    axis: usize,
+    /// The same as nodes have seen it, and what part of f's upper degrees that is.
+    seen: f64,
+    rough: f64,
     /// Whether it is worth cutting.
     open: bool,
 }
@@ -35,75 +38,126 @@ pub(super) struct Halved {
     pub(super) at: f64,
 }
 
-/// The cube in pieces.
-pub(super) struct Pieces<'a, V: Value, F> {
-    f: F,
-    rule: &'a BoxRule,
-    projection: &'a Projection,
+/// The two halves of a box.
+#[derive(Clone, Debug)]
+pub(crate) struct Halves<C> {
+    halved: Halved,
+    pieces: [Piece<C>; 2],
+}
+
+/// The cube in pieces, the worst of which is cut next.
+#[derive(Clone, Debug)]
+pub(crate) struct Pieces<C> {
+    dimensions: usize,
+    rule: BoxRule,
+    projection: Projection,
     /// What makes components comparable: one over the root mean square of each.
-    scales: Option<V::Components>,
-    values: Vec<V::Components>,
-    pub(super) pieces: Vec<Piece<V::Components>>,
-    pub(super) cuts: Vec<Halved>,
-    pub(super) evaluations: u64,
+    scales: C,
+    pieces: Vec<Piece<C>>,
+    cuts: Vec<Halved>,
+    evaluations: u64,
 }
 
 /// A half is taken to have at least this part of what was left in the whole: nodes may
 /// all lie on one side of a jump that goes through it.
-const UNSEEN: f64 = 0.125;
+const UNSEEN: f64 = 0.16;
+
+/// Polynomials leave more than this part of f's upper degrees where f is rough; boxes where
+/// less than this part of the most is left do not count.
+const ROUGH: f64 = 0.1;
+const FAINT: f64 = 0.01;
 
 /// That of a projection, as a part of its values.
 const ROUNDING: f64 = 1e-12;
 
-type Refused = QuadratureError<Vec<f64>>;
-
-impl<'a, V: Value, F: FnMut(&[f64]) -> V> Pieces<'a, V, F> {
-    pub(super) fn new(f: F, rule: &'a BoxRule, projection: &'a Projection) -> Self {
+impl<C: Components> Pieces<C> {
+    pub(crate) fn new(rule: BoxRule, dimensions: usize, degree: Degree) -> Self {
         Self {
-            f,
+            dimensions,
+            projection: Projection::new(&rule, dimensions, degree),
             rule,
-            projection,
-            scales: None,
-            values: Vec::new(),
+            scales: C::ZERO,
             pieces: Vec::new(),
             cuts: Vec::new(),
             evaluations: 0,
         }
     }
 
+    pub(crate) const fn dimensions(&self) -> usize {
+        self.dimensions
+    }
+
+    pub(super) const fn projection(&self) -> &Projection {
+        &self.projection
+    }
+
+    pub(super) fn iter(&self) -> core::slice::Iter<'_, Piece<C>> {
+        self.pieces.iter()
+    }
+
+    pub(super) fn cuts(&self) -> &[Halved] {
+        &self.cuts
+    }
+
+    /// ∫ |f − g| over the cube, about, in units of the root mean square of f.
+    pub(crate) fn left(&self) -> f64 {
+        self.pieces.iter().map(|p| p.left).sum()
+    }
+
+    /// What part of the axes the boxes take where f is rough, each on the axis that it
+    /// would be cut along, summed: nearly nothing where f is rough across axes only.
+    pub(crate) fn rough_span(&self) -> f64 {
+        let most = self.pieces.iter().map(|p| p.seen).fold(0.0, f64::max);
+        let rough = |p: &&Piece<C>| p.rough > ROUGH && p.seen >= FAINT * most;
+        let mut sides: Vec<_> = (self.pieces.iter().filter(rough))
+            .map(|p| {
+                let (centre, half) = (
+                    p.bounds[p.found.axis],
+                    p.bounds[self.dimensions + p.found.axis],
+                );
+                (p.found.axis, centre - half, centre + half)
+            })
+            .collect();
+        sides.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        let (mut span, mut end) = (0.0, (0, 0.0));
+        for (axis, from, to) in sides {
+            let begin = if axis == end.0 { from.max(end.1) } else { from };
+            if to > begin || axis != end.0 {
+                span += to - begin;
+                end = (axis, to);
+            }
+        }
+        span
+    }
+
     /// Cuts the piece with most left, until the budget does not pay for two more or
     /// nothing but rounding is left.
-    pub(super) fn cut(&mut self, n: usize, budget: u64) -> Result<(), Refused> {
-        let cost = self.rule.cost();
-        let whole = self.fit(vec![0.5; 2 * n], 0.0)?;
-        self.pieces.push(whole);
+    pub(super) fn refine(
+        &mut self,
+        budget: u64,
+        g: &mut impl FnMut(&[f64]) -> C,
+    ) -> Result<(), NotFinite> {
+        let whole = self.whole(g)?;
+        self.begin(whole);
         let mut heap = BinaryHeap::from_iter(self.rank(0));
-        while self.evaluations.saturating_add(2 * cost) <= budget {
+        while self.evaluations.saturating_add(2 * self.rule.cost()) <= budget {
             let Some(Rank { region, .. }) = heap.pop() else {
                 break;
             };
-            let Piece {
-                ref bounds,
-                axis,
-                left,
-                ..
-            } = self.pieces[region];
-            let (at, quarter) = (bounds[axis], 0.5 * bounds[n + axis]);
-            let half = |centre: f64| {
-                let mut half = bounds.clone();
-                (half[axis], half[n + axis]) = (centre, quarter);
-                half
-            };
-            let (lower, upper) = (half(at - quarter), half(at + quarter));
-            let lower = self.fit(lower, UNSEEN * left)?;
-            let upper = self.fit(upper, UNSEEN * left)?;
-            self.pieces[region] = lower;
-            self.pieces.push(upper);
-            self.cuts.push(Halved { region, axis, at });
+            let halves = self.cut_in_two(region, g)?;
+            self.replace(halves);
             heap.extend(self.rank(region));
             heap.extend(self.rank(self.pieces.len() - 1));
         }
         Ok(())
+    }
+
+    /// The same boxes, for cubature.
+    pub(crate) fn regions(&self) -> Regions<C> {
+        let bounds = self.pieces.iter().flat_map(|p| p.bounds.iter().copied());
+        let found = self.pieces.iter().map(|p| p.found);
+        let (bounds, found) = (bounds.collect(), found.collect());
+        Regions::of(self.rule.clone(), bounds, found, self.evaluations)
     }
 
     /// Where a piece stands in the queue, if it is worth cutting.
@@ -117,57 +171,134 @@ impl<'a, V: Value, F: FnMut(&[f64]) -> V> Pieces<'a, V, F> {
     }
 
     /// Evaluates f in a box in which `unseen` is left at least.
-    fn fit(&mut self, bounds: Vec<f64>, unseen: f64) -> Result<Piece<V::Components>, Refused> {
-        let (f, values) = (&mut self.f, &mut self.values);
-        let mut refused = None;
-        values.clear();
-        let scales = self.scales.unwrap_or(V::Components::ZERO);
-        let found = self.rule.apply(&bounds, &scales, &mut |u| {
-            let value = f(u).components();
-            if refused.is_none() && !value.as_ref().iter().all(|x| x.is_finite()) {
-                refused = Some(u.to_vec());
-            }
+    fn fit(
+        &self,
+        bounds: Vec<f64>,
+        unseen: f64,
+        g: &mut impl FnMut(&[f64]) -> C,
+    ) -> Result<Piece<C>, NotFinite> {
+        let mut values = Vec::with_capacity(self.rule.cost() as usize);
+        let found = self.rule.apply(&bounds, &self.scales, &mut |u| {
+            let value = g(u);
             values.push(value);
             value
         });
-        if let Some(at) = refused {
-            return Err(QuadratureError::NotFinite(at));
-        }
-        self.evaluations += self.rule.cost();
-        let (coefficients, left, whole) = self.projection.fit(values);
-        let scales = self.scales.get_or_insert_with(|| {
-            let mut scales = whole;
-            for s in scales.as_mut() {
-                *s = if *s > 0.0 { 1.0 / s.sqrt() } else { 1.0 };
-            }
-            scales
-        });
-        let size = |squares: &V::Components| -> f64 {
+        let (coefficients, [left, mut size, upper]) = self.projection.fit(&values);
+        let scales = if self.pieces.is_empty() {
+            scales(&size)
+        } else {
+            self.scales
+        };
+        let norm = |squares: &C| -> f64 {
             let terms = squares.as_ref().iter().zip(scales.as_ref());
             terms.map(|(x, s)| x * s * s).sum::<f64>().sqrt()
         };
-        let mut sizes = whole;
-        let (left, whole) = (size(&left), size(&whole));
+        let (left, whole, upper) = (norm(&left), norm(&size), norm(&upper));
         if !(found.is_finite() && left.is_finite() && whole.is_finite()) {
-            return Err(QuadratureError::Overflow);
+            return Err(NotFinite);
         }
         let half = &bounds[bounds.len() / 2..];
         let volume: f64 = half.iter().map(|h| 2.0 * h).product();
-        for size in sizes.as_mut() {
+        for size in size.as_mut() {
             *size = volume * size.sqrt();
         }
         let seen = if left > ROUNDING * whole { left } else { 0.0 };
         let left = unseen.max(volume * seen);
         Ok(Piece {
             coefficients,
-            value: found.value,
             volume,
-            size: sizes,
+            size,
             left,
-            axis: found.axis,
+            seen: volume * seen,
+            rough: if seen > 0.0 {
+                seen / seen.hypot(upper)
+            } else {
+                0.0
+            },
             // Where all is 0, it may only look so.
             open: found.room && (left > 0.0 || whole == 0.0),
+            found,
             bounds,
         })
+    }
+}
+
+/// One over the root of each mean square.
+fn scales<C: Components>(squares: &C) -> C {
+    let mut scales = *squares;
+    for s in scales.as_mut() {
+        *s = if *s > 0.0 { 1.0 / s.sqrt() } else { 1.0 };
+    }
+    scales
+}
+
+impl<C: Components> Partition<C> for Pieces<C> {
+    type Whole = Piece<C>;
+    type Cut = Halves<C>;
+
+    fn cost(&self) -> u64 {
+        self.rule.cost()
+    }
+
+    fn evaluations(&self) -> u64 {
+        self.evaluations
+    }
+
+    fn len(&self) -> usize {
+        self.pieces.len()
+    }
+
+    fn worst(&self, share: f64, most: usize) -> Vec<usize> {
+        let ranks = (0..self.pieces.len()).filter_map(|region| self.rank(region));
+        Rank::worst(ranks.collect(), share, most)
+    }
+
+    fn whole(&self, g: &mut impl FnMut(&[f64]) -> C) -> Result<Piece<C>, NotFinite> {
+        self.fit(vec![0.5; 2 * self.dimensions], 0.0, g)
+    }
+
+    fn begin(&mut self, whole: Piece<C>) {
+        let mut squares = whole.size;
+        squares.as_mut().iter_mut().for_each(|s| *s *= *s);
+        self.scales = scales(&squares);
+        self.pieces.push(whole);
+        self.evaluations = self.rule.cost();
+    }
+
+    fn cut_in_two(
+        &self,
+        region: usize,
+        g: &mut impl FnMut(&[f64]) -> C,
+    ) -> Result<Halves<C>, NotFinite> {
+        let n = self.dimensions;
+        let Piece {
+            ref bounds,
+            ref found,
+            left,
+            ..
+        } = self.pieces[region];
+        let axis = found.axis;
+        let (at, quarter) = (bounds[axis], 0.5 * bounds[n + axis]);
+        let mut half = |centre: f64| {
+            let mut half = bounds.clone();
+            (half[axis], half[n + axis]) = (centre, quarter);
+            self.fit(half, UNSEEN * left, g)
+        };
+        let mut pieces = [half(at - quarter)?, half(at + quarter)?];
+        let mut halves = pieces.each_ref().map(|piece| piece.found);
+        self.rule.compare(found, &mut halves);
+        for (piece, found) in pieces.iter_mut().zip(halves) {
+            piece.found = found;
+        }
+        let halved = Halved { region, axis, at };
+        Ok(Halves { halved, pieces })
+    }
+
+    fn replace(&mut self, cut: Halves<C>) {
+        let [lower, upper] = cut.pieces;
+        self.pieces[cut.halved.region] = lower;
+        self.pieces.push(upper);
+        self.cuts.push(cut.halved);
+        self.evaluations += 2 * self.rule.cost();
     }
 }

@@ -2,9 +2,10 @@
 
 use super::QuadratureError;
 use super::found::rounding;
+use super::partition::Partition;
 use super::pieces::{Halved, Piece, Pieces};
 use super::projection::{MOST_FITTED, Projection};
-use super::regions::BoxRule;
+use super::regions::{BoxRule, NotFinite};
 use super::symmetric::Degree;
 use crate::value::{Components, Value};
 
@@ -112,16 +113,26 @@ impl<V: Value> PiecewisePolynomial<V> {
         if cost > budget {
             return Err(QuadratureError::FirstBox { cost, budget });
         }
-        let projection = Projection::new(&rule, dimensions, degree);
-        let mut pieces: Pieces<'_, V, _> = Pieces::new(f, &rule, &projection);
-        pieces.cut(dimensions, budget)?;
-        let Pieces {
-            pieces,
-            cuts,
-            evaluations,
-            ..
-        } = pieces;
-        let masses = masses(&pieces);
+        let mut pieces = Pieces::new(rule, dimensions, degree);
+        let (mut f, mut refused) = (f, None);
+        let mut g = |u: &[f64]| {
+            let value = f(u).components();
+            if refused.is_none() && !value.as_ref().iter().all(|x| x.is_finite()) {
+                refused = Some(u.to_vec());
+            }
+            value
+        };
+        let refined = pieces.refine(budget, &mut g);
+        refined.map_err(|NotFinite| match refused {
+            Some(at) => QuadratureError::NotFinite(at),
+            None => QuadratureError::Overflow,
+        })?;
+        Ok(Self::of(&pieces))
+    }
+
+    /// What was fitted.
+    pub(crate) fn of(pieces: &Pieces<V::Components>) -> Self {
+        let masses = masses(pieces);
         let sum = |of: fn(&Piece<V::Components>) -> &V::Components| {
             let mut sum = V::Components::ZERO;
             for (k, sum) in sum.as_mut().iter_mut().enumerate() {
@@ -129,20 +140,20 @@ impl<V: Value> PiecewisePolynomial<V> {
             }
             sum
         };
-        let (integral, mut lost) = (sum(|p| &p.value), sum(|p| &p.size));
+        let (integral, mut lost) = (sum(|p| &p.found.value), sum(|p| &p.size));
         lost.as_mut().iter_mut().for_each(|s| *s = rounding(*s));
         let each = pieces.iter();
-        Ok(Self {
-            dimensions,
-            cuts: tree(&cuts, &masses),
+        Self {
+            dimensions: pieces.dimensions(),
+            cuts: tree(pieces.cuts(), &masses),
             bounds: each.clone().flat_map(|p| p.bounds.clone()).collect(),
             coefficients: each.clone().flat_map(|p| p.coefficients.clone()).collect(),
             weights: each.zip(&masses).map(|(p, m)| p.volume / m).collect(),
-            projection,
+            projection: pieces.projection().clone(),
             integral,
             rounding: lost,
-            evaluations,
-        })
+            evaluations: pieces.evaluations(),
+        }
     }
 
     /// g(x), x in the unit cube.
@@ -256,8 +267,8 @@ impl<V: Value> PiecewisePolynomial<V> {
 /// ```text
 /// ε V + (1 − ε) L / ΣL
 /// ```
-fn masses<C>(pieces: &[Piece<C>]) -> Vec<f64> {
-    let left: f64 = pieces.iter().map(|p| p.left).sum();
+fn masses<C: Components>(pieces: &Pieces<C>) -> Vec<f64> {
+    let left = pieces.left();
     let mass = |p: &Piece<C>| {
         if left > 0.0 {
             EVEN * p.volume + (1.0 - EVEN) * p.left / left

@@ -27,6 +27,8 @@ pub(super) struct Projection {
     products: Vec<f64>,
     /// wⱼ π_α(tⱼ)/‖π_α‖², node after node.
     weights: Vec<f64>,
+    /// ‖π_α‖² of those of the upper half of the degrees, 0 of the others.
+    upper: Vec<f64>,
 }
 
 /// The most dimensions: beyond, there are too many nodes for so many terms.
@@ -113,12 +115,19 @@ impl Projection {
             weights.extend(at_node.iter().zip(&norms).map(|(p, norm)| w * p / norm));
             at_nodes.extend_from_slice(&at_node);
         }
+        let mut degrees = vec![0; norms.len()];
+        for (number, term) in (1..).zip(&terms) {
+            degrees[number] = degrees[term.first] + 1;
+        }
+        let upper =
+            (norms.iter().zip(degrees)).map(|(norm, d)| if 2 * d > degree { *norm } else { 0.0 });
         let size: f64 = rule.iter().map(|w| w.abs()).sum();
         Self {
             terms,
             shares: rule.iter().map(|w| w.abs() / size).collect(),
             products: at_nodes,
             weights,
+            upper: upper.collect(),
         }
     }
 
@@ -128,11 +137,11 @@ impl Projection {
     }
 
     /// The coefficients, those of a term side by side, and the mean squares of f − g and
-    /// of f at the nodes, where f has these values.
-    pub(super) fn fit<C: Components>(&self, values: &[C]) -> (Vec<f64>, C, C) {
+    /// of f at the nodes, where f has these values; and of the upper half of g's degrees.
+    pub(super) fn fit<C: Components>(&self, values: &[C]) -> (Vec<f64>, [C; 3]) {
         let terms = self.terms();
         let mut coefficients = vec![0.0; terms * C::COUNT];
-        let (mut left, mut whole) = (C::ZERO, C::ZERO);
+        let (mut left, mut whole, mut upper) = (C::ZERO, C::ZERO, C::ZERO);
         let mut c = vec![0.0; terms];
         for k in 0..C::COUNT {
             c.fill(0.0);
@@ -147,10 +156,12 @@ impl Projection {
                 left.as_mut()[k] += share * (f - g) * (f - g);
                 whole.as_mut()[k] += share * f * f;
             }
+            let squares = c.iter().zip(&self.upper).map(|(c, norm)| c * c * norm);
+            upper.as_mut()[k] = squares.sum();
             let every = coefficients[k..].iter_mut().step_by(C::COUNT);
             every.zip(&c).for_each(|(coefficient, c)| *coefficient = *c);
         }
-        (coefficients, left, whole)
+        (coefficients, [left, whole, upper])
     }
 
     /// g(t)
@@ -222,7 +233,7 @@ mod tests {
             let values: Vec<[f64; 2]> = (rule.nodes(n).0.chunks(n))
                 .map(|t| projection.at(t, &given))
                 .collect();
-            let (found, left, whole) = projection.fit(&values);
+            let (found, [left, whole, _]) = projection.fit(&values);
             for k in 0..2 {
                 assert!(left[k] < 1e-24 * whole[k], "{n} {} {}", left[k], whole[k]);
             }
@@ -241,7 +252,7 @@ mod tests {
             let power = degree(n, &projection) as i32 + 1;
             let nodes = rule.nodes(n).0;
             let values: Vec<[f64; 1]> = nodes.chunks(n).map(|t| [t[0].powi(power)]).collect();
-            let (_, [left], [whole]) = projection.fit(&values);
+            let (_, [[left], [whole], _]) = projection.fit(&values);
             assert!(left > 1e-10 * whole, "{n} {left} {whole}");
         }
     }

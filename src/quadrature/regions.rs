@@ -5,6 +5,7 @@ use std::collections::BinaryHeap;
 
 use super::found::Found;
 use super::kronrod;
+use super::partition::Partition;
 use super::symmetric::{Degree, MOST_AXES, Symmetric};
 use crate::estimate::Tolerance;
 use crate::value::Components;
@@ -76,7 +77,7 @@ impl BoxRule {
     ///
     /// Source: Berntsen, Espelid & Genz (1991), who correct errors in two steps
     /// as well.
-    fn compare<C: Components>(&self, whole: &Found<C>, halves: &mut [Found<C>; 2]) {
+    pub(super) fn compare<C: Components>(&self, whole: &Found<C>, halves: &mut [Found<C>; 2]) {
         let gains = (halves.each_ref()).map(|half| half.settled || matches!(self, Self::Kronrod));
         for k in 0..C::COUNT {
             let [a, b] = halves.each_ref().map(|half| half.value.as_ref()[k]);
@@ -145,6 +146,19 @@ pub(super) struct Rank {
     pub(super) region: usize,
 }
 
+impl Rank {
+    /// The boxes that come first, as [`Partition::worst`] takes them.
+    pub(super) fn worst(mut ranks: Vec<Self>, share: f64, most: usize) -> Vec<usize> {
+        ranks.sort_unstable_by(|a, b| b.cmp(a));
+        let Some(&Self { error, volume, .. }) = ranks.first() else {
+            return Vec::new();
+        };
+        let counts = |r: &Self| r.error >= share * error && (error > 0.0 || r.volume >= volume);
+        let taken = ranks.iter().take(most).take_while(|r| counts(r));
+        taken.map(|r| r.region).collect()
+    }
+}
+
 impl Ord for Rank {
     fn cmp(&self, other: &Self) -> Ordering {
         (self.error.total_cmp(&other.error))
@@ -185,17 +199,26 @@ impl<C: Components> Regions<C> {
         }
     }
 
-    /// Evaluations of g in one box.
-    pub(crate) fn cost(&self) -> u64 {
-        self.rule.cost()
+    /// Boxes that a rule has been applied to, with so many evaluations.
+    pub(super) fn of(
+        rule: BoxRule,
+        bounds: Vec<f64>,
+        found: Vec<Found<C>>,
+        evaluations: u64,
+    ) -> Self {
+        let dimensions = bounds.len() / (2 * found.len()).max(1);
+        let mut regions = Self {
+            bounds,
+            found,
+            evaluations,
+            ..Self::new(rule, dimensions)
+        };
+        regions.add_up();
+        regions
     }
 
-    pub(crate) fn evaluations(&self) -> u64 {
-        self.evaluations
-    }
-
-    pub(crate) fn len(&self) -> usize {
-        self.found.len()
+    pub(crate) const fn dimensions(&self) -> usize {
+        self.dimensions
     }
 
     /// The sums over all boxes.
@@ -236,21 +259,6 @@ impl<C: Components> Regions<C> {
         result.map(|()| self.meets(tolerance))
     }
 
-    /// What the rule finds in the whole cube.
-    pub(crate) fn whole(&self, g: &mut impl FnMut(&[f64]) -> C) -> Result<Found<C>, NotFinite> {
-        let bounds = vec![0.5; 2 * self.dimensions];
-        let whole = self.rule.apply(&bounds, &self.weights, g);
-        whole.is_finite().then_some(whole).ok_or(NotFinite)
-    }
-
-    /// Takes the whole cube for the first box.
-    pub(crate) fn begin(&mut self, whole: Found<C>) {
-        self.bounds = vec![0.5; 2 * self.dimensions];
-        self.found.push(whole);
-        self.evaluations = self.rule.cost();
-        self.add_up();
-    }
-
     fn cut(
         &mut self,
         tolerance: &Tolerance,
@@ -273,7 +281,7 @@ impl<C: Components> Regions<C> {
                 return Ok(());
             };
             let cut = self.cut_in_two(region, g)?;
-            self.replace(&cut);
+            self.replace(cut);
             self.heap.pop();
             self.rank(tolerance, region);
             self.rank(tolerance, self.found.len() - 1);
@@ -283,78 +291,6 @@ impl<C: Components> Regions<C> {
                 self.rank_all(tolerance);
             }
         }
-    }
-
-    /// The boxes with the largest errors, at most `most`, none with less than
-    /// `share` of the largest; where there are no errors, the largest boxes. Those
-    /// with nothing but rounding left do not count.
-    pub(crate) fn worst(&self, share: f64, most: usize) -> Vec<usize> {
-        let weights = EVEN.weights(&self.value);
-        let rank = |region: usize| Rank {
-            error: EVEN.weigh(weights.as_ref(), self.found[region].error.as_ref()),
-            volume: self.volume(region),
-            region,
-        };
-        let open = |region: &usize| {
-            let found = &self.found[*region];
-            found.room && !found.settled
-        };
-        let mut ranks: Vec<_> = (0..self.found.len()).filter(open).map(rank).collect();
-        ranks.sort_unstable_by(|a, b| b.cmp(a));
-        let Some(&Rank { error, volume, .. }) = ranks.first() else {
-            return Vec::new();
-        };
-        let counts = |r: &Rank| r.error >= share * error && (error > 0.0 || r.volume >= volume);
-        let taken = ranks.iter().take(most).take_while(|r| counts(r));
-        taken.map(|r| r.region).collect()
-    }
-
-    /// What the rule finds in the two halves of a box.
-    pub(crate) fn cut_in_two(
-        &self,
-        region: usize,
-        g: &mut impl FnMut(&[f64]) -> C,
-    ) -> Result<Cut<C>, NotFinite> {
-        let n = self.dimensions;
-        let whole = &self.found[region];
-        let mut bounds = [[0.0; 2 * MOST_AXES]; 2];
-        for half in &mut bounds {
-            half[..2 * n].copy_from_slice(&self.bounds[2 * n * region..2 * n * (region + 1)]);
-            half[n + whole.axis] *= 0.5;
-        }
-        let shift = bounds[0][n + whole.axis];
-        bounds[0][whole.axis] -= shift;
-        bounds[1][whole.axis] += shift;
-        let apply = |half: &[f64; 2 * MOST_AXES]| self.rule.apply(&half[..2 * n], &self.weights, g);
-        let mut halves = bounds.each_ref().map(apply);
-        if !halves.iter().all(Found::is_finite) {
-            return Err(NotFinite);
-        }
-        self.rule.compare(whole, &mut halves);
-        Ok(Cut {
-            region,
-            bounds,
-            halves,
-        })
-    }
-
-    /// Puts two halves in the place of a box.
-    pub(crate) fn replace(&mut self, cut: &Cut<C>) {
-        let (n, region) = (self.dimensions, cut.region);
-        let [left, right] = cut.bounds.each_ref().map(|half| &half[..2 * n]);
-        self.bounds[2 * n * region..2 * n * (region + 1)].copy_from_slice(left);
-        self.bounds.extend_from_slice(right);
-        let whole = self.found[region];
-        let [a, b] = &cut.halves;
-        for k in 0..C::COUNT {
-            let change =
-                |whole: &C, a: &C, b: &C| a.as_ref()[k] + b.as_ref()[k] - whole.as_ref()[k];
-            self.value.as_mut()[k] += change(&whole.value, &a.value, &b.value);
-            self.error.as_mut()[k] += change(&whole.error, &a.error, &b.error);
-        }
-        self.found[region] = *a;
-        self.found.push(*b);
-        self.evaluations += 2 * self.rule.cost();
     }
 
     fn meets(&self, tolerance: &Tolerance) -> bool {
@@ -389,7 +325,7 @@ impl<C: Components> Regions<C> {
 
     /// The sums over all boxes anew, the values with what each addition rounds
     /// off (Neumaier).
-    pub(crate) fn add_up(&mut self) {
+    fn add_up(&mut self) {
         let mut lost = C::ZERO;
         (self.value, self.error) = (C::ZERO, C::ZERO);
         for found in &self.found {
@@ -409,5 +345,100 @@ impl<C: Components> Regions<C> {
         for (sum, lost) in self.value.as_mut().iter_mut().zip(lost.as_ref()) {
             *sum += lost;
         }
+    }
+}
+
+impl<C: Components> Partition<C> for Regions<C> {
+    type Whole = Found<C>;
+    type Cut = Cut<C>;
+
+    fn cost(&self) -> u64 {
+        self.rule.cost()
+    }
+
+    fn evaluations(&self) -> u64 {
+        self.evaluations
+    }
+
+    fn len(&self) -> usize {
+        self.found.len()
+    }
+
+    fn worst(&self, share: f64, most: usize) -> Vec<usize> {
+        let weights = EVEN.weights(&self.value);
+        let rank = |region: usize| Rank {
+            error: EVEN.weigh(weights.as_ref(), self.found[region].error.as_ref()),
+            volume: self.volume(region),
+            region,
+        };
+        let open = |region: &usize| {
+            let found = &self.found[*region];
+            found.room && !found.settled
+        };
+        let ranks = (0..self.found.len()).filter(open).map(rank);
+        Rank::worst(ranks.collect(), share, most)
+    }
+
+    fn whole(&self, g: &mut impl FnMut(&[f64]) -> C) -> Result<Found<C>, NotFinite> {
+        let bounds = vec![0.5; 2 * self.dimensions];
+        let whole = self.rule.apply(&bounds, &self.weights, g);
+        whole.is_finite().then_some(whole).ok_or(NotFinite)
+    }
+
+    fn begin(&mut self, whole: Found<C>) {
+        self.bounds = vec![0.5; 2 * self.dimensions];
+        self.found.push(whole);
+        self.evaluations = self.rule.cost();
+        self.add_up();
+    }
+
+    fn cut_in_two(
+        &self,
+        region: usize,
+        g: &mut impl FnMut(&[f64]) -> C,
+    ) -> Result<Cut<C>, NotFinite> {
+        let n = self.dimensions;
+        let whole = &self.found[region];
+        let mut bounds = [[0.0; 2 * MOST_AXES]; 2];
+        for half in &mut bounds {
+            half[..2 * n].copy_from_slice(&self.bounds[2 * n * region..2 * n * (region + 1)]);
+            half[n + whole.axis] *= 0.5;
+        }
+        let shift = bounds[0][n + whole.axis];
+        bounds[0][whole.axis] -= shift;
+        bounds[1][whole.axis] += shift;
+        let apply = |half: &[f64; 2 * MOST_AXES]| self.rule.apply(&half[..2 * n], &self.weights, g);
+        let mut halves = bounds.each_ref().map(apply);
+        if !halves.iter().all(Found::is_finite) {
+            return Err(NotFinite);
+        }
+        self.rule.compare(whole, &mut halves);
+        Ok(Cut {
+            region,
+            bounds,
+            halves,
+        })
+    }
+
+    fn replace(&mut self, cut: Cut<C>) {
+        let (n, region) = (self.dimensions, cut.region);
+        let [left, right] = cut.bounds.each_ref().map(|half| &half[..2 * n]);
+        self.bounds[2 * n * region..2 * n * (region + 1)].copy_from_slice(left);
+        self.bounds.extend_from_slice(right);
+        let whole = self.found[region];
+        let [a, b] = &cut.halves;
+        for k in 0..C::COUNT {
+            let change =
+                |whole: &C, a: &C, b: &C| a.as_ref()[k] + b.as_ref()[k] - whole.as_ref()[k];
+            self.value.as_mut()[k] += change(&whole.value, &a.value, &b.value);
+            self.error.as_mut()[k] += change(&whole.error, &a.error, &b.error);
+        }
+        self.found[region] = *a;
+        self.found.push(*b);
+        self.evaluations += 2 * self.rule.cost();
+    }
+
+    fn settle(&mut self) {
+        self.add_up();
     }
 }

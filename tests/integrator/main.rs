@@ -16,5 +16,6 @@ mod numerics;
 mod quadrature_controlled;
 mod randomized_qmc;
 mod rates;
+mod rough;
 mod unbiased;
 mod vegas;

@@ -1,40 +1,22 @@
 //! Adaptive cubature, pass by pass.
 
-use core::ops::ControlFlow;
-
-use super::by::{By, Given, Wide};
+use super::by::{By, Wide};
+use super::passes::{Block, Failed, Parts, Passes};
 use crate::estimate::{ErrorSource, Estimate, Moments, Tolerance};
 use crate::estimator::TryEstimator;
-use crate::integrator::sample_block::is_finite;
-use crate::integrator::{Cause, NonFinite, SampleError};
-use crate::merge::Merge;
-use crate::quadrature::{BoxRule, Cut, Degree, Found, Regions};
+use crate::integrator::NonFinite;
+use crate::quadrature::{BoxRule, Degree, Partition, Regions};
 use crate::value::{Components, Value};
 
-/// [`Adaptive`](crate::quadrature::Adaptive) cubature whose passes cut many boxes
-/// at once, so that threads have something to share.
+/// [`Adaptive`](crate::quadrature::Adaptive) cubature, pass by pass.
 #[derive(Clone, Debug)]
 pub(super) struct Boxes<'a, E: TryEstimator> {
-    estimator: By<'a, E>,
-    dimension: usize,
-    regions: Regions<<E::Value as Value>::Components>,
-    /// The boxes to be cut, and how many of these make a block.
-    batch: Vec<usize>,
-    each: usize,
+    pub(super) passes: Passes<'a, E, Partitioned<E>>,
     /// Evaluations, value and claimed error after each pass.
-    history: Vec<Pass<<E::Value as Value>::Components>>,
-    non_finite: NonFinite,
-    /// Whether a box could not be cut: a value that is set aside, or a sum that
-    /// overflows.
-    stuck: bool,
+    history: Vec<Pass<Parts<E>>>,
 }
 
-/// Boxes with less than this share of the largest error wait for a later pass.
-const SHARE: f64 = 0.1;
-/// A block has about so many evaluations.
-const BLOCK: u64 = 512;
-/// A pass has at most so many cuts.
-const MOST_CUTS: usize = 1 << 12;
+type Partitioned<E> = Regions<Parts<E>>;
 
 /// Errors are smaller than the boxes claim.
 const CLAIMED: f64 = 0.035;
@@ -46,7 +28,7 @@ const BELOW_CLAIMS: f64 = 8.0;
 const WARY: f64 = 10.0;
 
 /// What a pass left: evaluations, value and claimed error.
-type Pass<C> = (u64, C, C);
+pub(super) type Pass<C> = (u64, C, C);
 
 fn at<C: Components>(components: &C, k: usize) -> f64 {
     components.as_ref()[k]
@@ -120,47 +102,15 @@ fn by_values(told: &[(f64, f64, f64)], evaluations: f64, smooth: f64) -> Option<
     then.reduce(f64::max)
 }
 
-/// What a block found.
-#[derive(Clone, Debug)]
-pub struct BoxesPartial<V: Value, E> {
-    whole: Option<Found<V::Components>>,
-    cuts: Vec<Cut<V::Components>>,
-    failure: Option<SampleError<V, E>>,
-}
-
-impl<V: Value, E> Merge for BoxesPartial<V, E> {
-    fn merge(&mut self, right: Self) {
-        self.cuts.extend(right.cuts);
-        self.failure = self.failure.take().or(right.failure);
-    }
-}
-
-/// What came of a block.
-type Block<E> = BoxesPartial<Wide<E>, <E as TryEstimator>::Error>;
-
 impl<'a, E: TryEstimator> Boxes<'a, E> {
     /// `None` in too many dimensions.
     pub(super) fn new(estimator: By<'a, E>, dimension: usize, degree: Degree) -> Option<Self> {
         let rule = BoxRule::new(dimension, degree)?;
-        let each = (BLOCK / (2 * rule.cost())).max(1) as usize;
+        let regions = Regions::new(rule, dimension);
         Some(Self {
-            estimator,
-            dimension,
-            regions: Regions::new(rule, dimension),
-            batch: Vec::new(),
-            each,
+            passes: Passes::new(estimator, regions),
             history: Vec::new(),
-            non_finite: NonFinite::Refuse,
-            stuck: false,
         })
-    }
-
-    pub(super) fn on_non_finite(self, non_finite: NonFinite) -> Self {
-        Self { non_finite, ..self }
-    }
-
-    pub(super) fn spent(&self) -> u64 {
-        self.regions.evaluations()
     }
 
     /// What the error would be after so many evaluations, in each component; `None`
@@ -171,11 +121,11 @@ impl<'a, E: TryEstimator> Boxes<'a, E> {
     /// an eighth of what the claims say. Who is `wary`
     /// takes the larger: boxes that have not met a pole know nothing of it.
     pub(super) fn promise(&self, evaluations: u64, wary: bool) -> Option<Wide<E>> {
-        if self.stuck {
+        if !self.passes.goes_on() {
             return None;
         }
         let (_, _, mut promise) = *self.history.last()?;
-        let smooth = 10.0 / self.dimension as f64;
+        let smooth = 10.0 / self.passes.partition.dimensions() as f64;
         for (k, e) in promise.as_mut().iter_mut().enumerate() {
             let of = |(n, value, error): &Pass<_>| (*n as f64, at(value, k), at(error, k));
             let told: Vec<_> = self.history.iter().map(of).collect();
@@ -191,111 +141,47 @@ impl<'a, E: TryEstimator> Boxes<'a, E> {
     }
 
     pub(super) fn meets(&self, tolerance: &Tolerance) -> bool {
-        let (value, mut error) = self.regions.total();
+        let regions = &self.passes.partition;
+        let (value, mut error) = regions.total();
         error.as_mut().iter_mut().for_each(|e| *e *= 0.5);
-        self.regions.len() > 0 && tolerance.admits_value(value.as_ref(), error.as_ref())
+        regions.len() > 0 && tolerance.admits_value(value.as_ref(), error.as_ref())
     }
 
-    /// Whether nothing but rounding is left, or no room for a cut.
-    pub(super) fn is_settled(&self) -> bool {
-        !self.stuck && self.regions.len() > 0 && self.regions.worst(SHARE, 1).is_empty()
+    /// Boxes that another has cut, and what they said after each pass.
+    pub(super) const fn continued(
+        passes: Passes<'a, E, Partitioned<E>>,
+        history: Vec<Pass<Parts<E>>>,
+    ) -> Self {
+        Self { passes, history }
     }
 
-    pub(super) fn smallest_pass(&self) -> u64 {
-        match self.regions.len() {
-            0 => self.regions.cost(),
-            _ => 2 * self.regions.cost(),
-        }
+    pub(super) fn on_non_finite(self, policy: NonFinite) -> Self {
+        let passes = self.passes.on_non_finite(policy);
+        Self { passes, ..self }
     }
 
-    pub(super) fn plan(&mut self, budget: u64) -> u64 {
-        let pays = budget / self.smallest_pass();
-        if pays == 0 || self.stuck {
-            return 0;
-        }
-        if self.regions.len() == 0 {
-            return 1;
-        }
-        let most = usize::try_from(pays).unwrap_or(usize::MAX).min(MOST_CUTS);
-        self.batch = self.regions.worst(SHARE, most);
-        self.batch.len().div_ceil(self.each) as u64
+    pub(super) fn absorb(&mut self, pass: Block<E, Partitioned<E>>) -> Result<(), Failed<E>> {
+        let result = self.passes.absorb(pass);
+        self.note();
+        result
     }
 
-    pub(super) fn block(&self, index: u64) -> ControlFlow<Block<E>, Block<E>> {
-        let mut failure = None;
-        let mut g = |u: &[f64]| {
-            let value = self.estimator.try_estimate(&mut Given::new(u));
-            let cause = match value {
-                Ok(value) if is_finite(value) => return value.components(),
-                Ok(_) if self.non_finite == NonFinite::SetAside => None,
-                Ok(value) => Some(Cause::NonFinite(value)),
-                Err(error) => Some(Cause::Integrand(error)),
-            };
-            if let (Some(cause), None) = (cause, &failure) {
-                failure = Some(SampleError {
-                    cause,
-                    sample: self.spent(),
-                    unit: u.to_vec(),
-                    location: self.estimator.locate(&mut Given::new(u)),
-                });
-            }
-            let mut nan = <E::Value as Value>::Components::ZERO;
-            nan.as_mut().fill(f64::NAN);
-            nan
-        };
-        let (mut whole, mut cuts) = (None, Vec::new());
-        if self.regions.len() == 0 {
-            whole = self.regions.whole(&mut g).ok();
-        } else {
-            let from = index as usize * self.each;
-            let to = (from + self.each).min(self.batch.len());
-            for &region in &self.batch[from..to] {
-                match self.regions.cut_in_two(region, &mut g) {
-                    Ok(cut) => cuts.push(cut),
-                    Err(_) => break,
-                }
-            }
+    fn note(&mut self) {
+        let regions = &self.passes.partition;
+        if regions.len() > 0 {
+            let (value, error) = regions.total();
+            self.history.push((regions.evaluations(), value, error));
         }
-        let ended = failure.is_some();
-        let partial = BoxesPartial {
-            whole,
-            cuts,
-            failure,
-        };
-        if ended {
-            ControlFlow::Break(partial)
-        } else {
-            ControlFlow::Continue(partial)
-        }
-    }
-
-    pub(super) fn absorb(&mut self, pass: Block<E>) -> Result<(), SampleError<Wide<E>, E::Error>> {
-        let before = self.spent();
-        if let Some(whole) = pass.whole {
-            self.regions.begin(whole);
-        }
-        let brought = pass.cuts.len() + usize::from(self.spent() > before);
-        self.stuck = brought < self.batch.len().max(1);
-        for cut in &pass.cuts {
-            self.regions.replace(cut);
-        }
-        self.regions.add_up();
-        self.batch.clear();
-        if self.regions.len() > 0 {
-            let (value, error) = self.regions.total();
-            self.history.push((self.spent(), value, error));
-        }
-        pass.failure.map_or(Ok(()), Err)
     }
 
     /// The sum over the boxes, with its error for two standard errors; `None` before
     /// there is one. `moments` are those of points taken before.
     pub(super) fn answer(&self, moments: &Moments<Wide<E>>) -> Option<Estimate<Wide<E>>> {
-        if self.regions.len() == 0 {
+        if self.passes.partition.len() == 0 {
             return None;
         }
-        let (value, error) = self.regions.total();
-        let mut covariance = <E::Value as Value>::Components::ZERO_MATRIX;
+        let (value, error) = self.passes.partition.total();
+        let mut covariance = Parts::<E>::ZERO_MATRIX;
         for (k, row) in covariance.as_mut().iter_mut().enumerate() {
             let error = 0.5 * error.as_ref()[k];
             row.as_mut()[k] = error * error;

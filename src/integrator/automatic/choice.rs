@@ -23,6 +23,9 @@ pub enum Method {
     Strata,
     /// Adaptive cubature ([`Adaptive`](crate::quadrature::Adaptive)).
     Cubature,
+    /// A net on what a polynomial in each box of a partition leaves, as a control variate
+    /// ([`QuadratureControlled`](crate::integrator::QuadratureControlled)).
+    Controlled,
 }
 
 impl fmt::Display for Method {
@@ -35,6 +38,7 @@ impl fmt::Display for Method {
             Self::Peaks => "nets on peaks",
             Self::Strata => "VEGAS+",
             Self::Cubature => "adaptive cubature",
+            Self::Controlled => "nets with a control variate",
         })
     }
 }
@@ -50,6 +54,9 @@ pub enum Why {
     /// Every value of the pilot was 0: nothing was learned, and VEGAS+ began with points
     /// spread evenly. The integrand may be different from 0 where none of them fell.
     AllZero,
+    /// Polynomials in boxes, as a control variate, have shown that it is smooth, or rough
+    /// along axes only.
+    Smooth,
 }
 
 impl fmt::Display for Why {
@@ -58,6 +65,7 @@ impl fmt::Display for Why {
             Self::SmallestError => "it promises the smallest error",
             Self::SmallBudget => "the budget is too small for a pilot",
             Self::AllZero => "every value of the pilot is 0",
+            Self::Smooth => "it has turned out to be smooth",
         })
     }
 }

@@ -7,8 +7,8 @@ use super::choice::{Choice, Method, Promise, Why};
 use super::engine::Engine;
 use super::findings::{
     ALIKE, BELOW_MAP, BEYOND_MAP, BEYOND_STRATA, CUBATURE, EFFECTIVE, FAR, FEWEST, FLAT, Findings,
-    MEANT, MET, MISSED, PEAKED, POLES, ROUNDS_MORE, SHARP, STRATA, Shares, Stage, TAUGHT, TEACH,
-    TEACH_PEAKS, TEACHING, TELLING, TELLING_ALONE, UNLIKE,
+    MEANT, MET, MISSED, PEAKED, PLANE, POLES, ROUNDS_MORE, SHARP, STRATA, Shares, Stage, TAUGHT,
+    TEACH, TEACH_PEAKS, TEACHING, TELLING, TELLING_ALONE, UNLIKE,
 };
 use super::promise::layout;
 use crate::estimate::Moments;
@@ -25,6 +25,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             promise.map_or(f64::INFINITY, |p| self.size(p.error))
         };
         let (strata, plain) = (size_of(Method::Strata), size_of(Method::Plain));
+        let controlled = size_of(Method::Controlled);
         let Shares {
             even,
             mapped,
@@ -43,7 +44,9 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             TELLING.min(TELLING_ALONE * even)
         };
         let most = even.max(mapped).max(peaks);
-        let settled = self.findings.boxes.as_ref().is_some_and(Boxes::is_settled);
+        let settled = self.is_settled();
+        let unvouched = self.unvouched();
+        let rough = self.dimension == 2 && unvouched > 1.0 && controlled.is_finite();
         let unmet = |share: f64| (most / (met * share)).max(1.0).powi(2);
         let of = |p: &Promise<_>| {
             let size = self.size(p.error);
@@ -63,9 +66,14 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
                 Method::Peaks => size * unmet(peaks),
                 // A net is no worse than independent points.
                 Method::Net => size.min(plain) * below * unmet(even),
+                // What is rough folds badly.
+                Method::Lattice if rough => f64::INFINITY,
                 Method::Plain | Method::Lattice => size * below * unmet(even),
                 Method::Cubature if settled => -1.0,
+                Method::Cubature if controlled < unvouched * size => f64::INFINITY,
                 Method::Cubature => size * CUBATURE,
+                Method::Controlled if self.dimension <= 2 => size * PLANE,
+                Method::Controlled => size,
             }
         };
         promises.sort_by(|a, b| of(a).total_cmp(&of(b)));
@@ -96,8 +104,12 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
                 });
                 (Stage::Teach, engine, used, used + allowance)
             }
+            (Method::Controlled, ..) => match self.fit_further(left) {
+                Some((engine, used, allowance)) => (Stage::Teach, Some(engine), used, allowance),
+                None => (Stage::Answer, None, 0, 0),
+            },
             (Method::Cubature, _, Some(boxes)) => {
-                let used = boxes.spent();
+                let used = boxes.passes.spent();
                 self.before -= used;
                 (Stage::Answer, Some(Engine::Boxes(boxes)), used, 0)
             }
@@ -140,7 +152,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
     /// Whether the samples of the pilot would have noticed what cubature missed.
     pub(super) fn agrees(&self, boxes: &Boxes<'a, E>) -> bool {
         let moments = self.findings.moments;
-        let promised = boxes.promise(boxes.spent(), false);
+        let promised = boxes.promise(boxes.passes.spent(), false);
         let (Some(cubature), Some(promised), Some(look)) =
             (boxes.answer(&moments), promised, self.findings.look)
         else {

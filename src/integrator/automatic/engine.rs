@@ -1,22 +1,28 @@
 //! One of several integrators, as one.
 
 use core::ops::ControlFlow;
+use std::sync::Arc;
 
-use super::boxes::{Boxes, BoxesPartial};
+use super::boxes::Boxes;
 use super::by::{By, Wide};
 use super::faces::{Probe, Probed};
+use super::fitting::Fitting;
 use super::mixed::Mixed;
 use super::mixture::Mixture;
+use super::passes::PassesPartial;
 use super::points::Points;
 use super::search::{Search, SearchPartial};
 use crate::estimate::{Estimate, Moments, Tolerance};
-use crate::estimator::{Mapped, TryEstimator};
+use crate::estimator::{Mapped, Residual, TryEstimator};
 use crate::integrator::monte_carlo::MonteCarloPartial;
 use crate::integrator::randomized_qmc::RandomizedQmcPartial;
 use crate::integrator::vegas::SweepPartial;
-use crate::integrator::{Integrator, Learning, LongNet, MonteCarlo, NonFinite, SampleError, Vegas};
+use crate::integrator::{
+    Integrator, Learning, LongNet, MonteCarlo, NonFinite, QuadratureControlled, SampleError, Vegas,
+};
 use crate::merge::Merge;
 use crate::pdf::AdaptiveGrid;
+use crate::quadrature::{Cut, Found, Halves, Piece, PiecewisePolynomial};
 use crate::sampler::{Independent, Owen, Sobol};
 use crate::value::Value;
 
@@ -35,7 +41,13 @@ pub(super) enum Engine<'a, E: TryEstimator> {
     Boxes(Boxes<'a, E>),
     Search(Box<Search<'a, E>>),
     Mixed(LongNet<Mixed<'a, E>>),
+    Fitting(Box<Fitting<'a, E>>),
+    Controlled(Box<Controlled<'a, E>>),
 }
+
+/// A net on what a polynomial leaves.
+type Controlled<'a, E> =
+    QuadratureControlled<LongNet<Residual<By<'a, E>, Arc<PiecewisePolynomial<Wide<E>>>>>, Wide<E>>;
 
 /// What a block of [`Automatic`](super::Automatic) contributes: that of the
 /// integrator at work.
@@ -48,7 +60,8 @@ enum Part<V: Value, E> {
     Probe(Probed),
     Points(RandomizedQmcPartial<V, E>),
     Strata(SweepPartial<V, E>),
-    Boxes(BoxesPartial<V, E>),
+    Boxes(PassesPartial<V, E, Found<V::Components>, Cut<V::Components>>),
+    Fitting(PassesPartial<V, E, Piece<V::Components>, Halves<V::Components>>),
     Search(SearchPartial<V, E>),
 }
 
@@ -60,6 +73,7 @@ impl<V: Value, E> Merge for AutomaticPartial<V, E> {
             (Part::Points(left), Part::Points(right)) => left.merge(right),
             (Part::Strata(left), Part::Strata(right)) => left.merge(right),
             (Part::Boxes(left), Part::Boxes(right)) => left.merge(right),
+            (Part::Fitting(left), Part::Fitting(right)) => left.merge(right),
             (Part::Search(left), Part::Search(right)) => left.merge(right),
             _ => debug_assert!(false, "blocks of one pass are of one kind"),
         }
@@ -108,6 +122,23 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
         Some(Self::Mixed(net.in_parts(in_parts)))
     }
 
+    /// A net on what a polynomial leaves.
+    pub(super) fn controlled(
+        estimator: By<'a, E>,
+        polynomial: PiecewisePolynomial<Wide<E>>,
+        seed: u64,
+        policy: NonFinite,
+    ) -> Option<Self> {
+        let net = Sobol::new(polynomial.dimensions())
+            .ok()?
+            .scrambled(Owen, seed);
+        let polynomial = Arc::new(polynomial);
+        let net = LongNet::new(Residual::new(estimator, polynomial.clone()), net);
+        let net = net.in_parts(true).on_non_finite(policy);
+        let controlled = QuadratureControlled::new(net, &polynomial);
+        Some(Self::Controlled(Box::new(controlled)))
+    }
+
     pub(super) fn strata(
         estimator: By<'a, E>,
         grid: AdaptiveGrid,
@@ -128,6 +159,9 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
             Self::Boxes(engine) => Self::Boxes(engine.on_non_finite(policy)),
             Self::Search(engine) => Self::Search(Box::new(engine.on_non_finite(policy))),
             Self::Mixed(engine) => Self::Mixed(engine.on_non_finite(policy)),
+            Self::Fitting(engine) => Self::Fitting(Box::new(engine.on_non_finite(policy))),
+            // Made with it.
+            Self::Controlled(engine) => Self::Controlled(engine),
         }
     }
 
@@ -138,9 +172,11 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
             Self::Net(engine) => engine.spent(),
             Self::Mapped(engine) => engine.spent(),
             Self::Strata(engine) => engine.spent(),
-            Self::Boxes(engine) => engine.spent(),
+            Self::Boxes(engine) => engine.passes.spent(),
             Self::Search(engine) => engine.spent(),
             Self::Mixed(engine) => engine.spent(),
+            Self::Fitting(engine) => engine.passes.spent(),
+            Self::Controlled(engine) => engine.spent(),
         }
     }
 
@@ -151,9 +187,11 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
             Self::Net(engine) => engine.smallest_pass(),
             Self::Mapped(engine) => engine.smallest_pass(),
             Self::Strata(engine) => engine.smallest_pass(),
-            Self::Boxes(engine) => engine.smallest_pass(),
+            Self::Boxes(engine) => engine.passes.smallest_pass(),
             Self::Search(engine) => engine.smallest_pass(),
             Self::Mixed(engine) => engine.smallest_pass(),
+            Self::Fitting(engine) => engine.passes.smallest_pass(),
+            Self::Controlled(engine) => engine.smallest_pass(),
         }
     }
 
@@ -164,9 +202,11 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
             Self::Net(engine) => engine.plan(budget),
             Self::Mapped(engine) => engine.plan(budget),
             Self::Strata(engine) => engine.plan(budget),
-            Self::Boxes(engine) => engine.plan(budget),
+            Self::Boxes(engine) => engine.passes.plan(budget),
             Self::Search(engine) => engine.plan(budget),
             Self::Mixed(engine) => engine.plan(budget),
+            Self::Fitting(engine) => engine.passes.plan(budget),
+            Self::Controlled(engine) => engine.plan(budget),
         }
     }
 
@@ -177,9 +217,11 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
             Self::Net(engine) => wrap(engine.block(index), Part::Points),
             Self::Mapped(engine) => wrap(engine.block(index), Part::Points),
             Self::Strata(engine) => wrap(engine.block(index), Part::Strata),
-            Self::Boxes(engine) => wrap(engine.block(index), Part::Boxes),
+            Self::Boxes(engine) => wrap(engine.passes.block(index), Part::Boxes),
             Self::Search(engine) => wrap(engine.block(index), Part::Search),
             Self::Mixed(engine) => wrap(engine.block(index), Part::Points),
+            Self::Fitting(engine) => wrap(engine.passes.block(index), Part::Fitting),
+            Self::Controlled(engine) => wrap(engine.block(index), Part::Points),
         }
     }
 
@@ -194,7 +236,9 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
             (Self::Mapped(engine), Part::Points(pass)) => engine.absorb(pass, blocks),
             (Self::Strata(engine), Part::Strata(pass)) => engine.absorb(pass, blocks),
             (Self::Mixed(engine), Part::Points(pass)) => engine.absorb(pass, blocks),
+            (Self::Controlled(engine), Part::Points(pass)) => engine.absorb(pass, blocks),
             (Self::Boxes(engine), Part::Boxes(pass)) => engine.absorb(pass),
+            (Self::Fitting(engine), Part::Fitting(pass)) => engine.absorb(pass),
             (Self::Search(engine), Part::Search(pass)) => engine.absorb(pass, blocks),
             _ => Ok(()),
         }
@@ -210,6 +254,8 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
             Self::Boxes(engine) => engine.meets(tolerance),
             Self::Search(_) => false,
             Self::Mixed(engine) => engine.meets(tolerance),
+            Self::Fitting(_) => false,
+            Self::Controlled(engine) => engine.meets(tolerance),
         }
     }
 
@@ -224,6 +270,8 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
             Self::Boxes(engine) => engine.answer(moments),
             Self::Search(_) => None,
             Self::Mixed(engine) => engine.answer(),
+            Self::Fitting(_) => None,
+            Self::Controlled(engine) => engine.answer(),
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::boxes::Boxes;
 use super::by::Wide;
 use super::choice::Promise;
+use super::fitting::Fitting;
 use super::promise::Prior;
 use super::search::Search;
 use crate::estimate::{Estimate, Moments};
@@ -33,6 +34,12 @@ pub(super) enum Stage {
     Teach,
     /// The answer.
     Answer,
+    /// A polynomial as a control variate.
+    Fit,
+    /// Nets on what it leaves.
+    Leave,
+    /// The same, for an answer that may be good enough.
+    Round,
 }
 
 /// Which part of the samples is effective.
@@ -65,6 +72,15 @@ pub(super) struct Findings<'a, E: TryEstimator> {
     /// Errors of the net at hand, after so many points of each run.
     pub(super) history: Vec<(u64, f64)>,
     pub(super) boxes: Option<Boxes<'a, E>>,
+    pub(super) fitting: Option<Box<Fitting<'a, E>>>,
+    /// What it leaves; how much it may be fitted with, and was when nets last saw what is
+    /// left; and what these said.
+    pub(super) left: Option<Moments<Wide<E>>>,
+    pub(super) most: u64,
+    pub(super) seen: u64,
+    pub(super) round: Option<Estimate<Wide<E>>>,
+    /// Whether cubature promises so much that nothing else is tried.
+    pub(super) clear: bool,
     /// Whether cubature has had a second look.
     pub(super) deeper: bool,
     pub(super) shares: Shares,
@@ -93,6 +109,12 @@ impl<E: TryEstimator> Default for Findings<'_, E> {
             rate: Prior::USUAL.rate,
             history: Vec::new(),
             boxes: None,
+            fitting: None,
+            left: None,
+            most: 0,
+            seen: 0,
+            round: None,
+            clear: false,
             deeper: false,
             shares: Shares::default(),
             tried: None,
@@ -129,6 +151,30 @@ pub(super) const MOST_PILOT: u64 = 1 << 17;
 pub(super) const LOOK: f64 = 0.25;
 pub(super) const BOXES: f64 = 0.25;
 pub(super) const LEARN: f64 = 0.25;
+pub(super) const FIT: f64 = 0.2;
+pub(super) const LEAVE: f64 = 0.1;
+/// Beyond so many dimensions, boxes are too large for polynomials in each to leave less
+/// than nets make of it.
+pub(super) const MOST_CONTROLLED: usize = 3;
+/// The exponent by which the error of nets on what they leave is taken to fall.
+pub(super) const NOISE: f64 = 0.5;
+/// What part of a budget goes into the polynomials, and how many evaluations at most.
+pub(super) const LEAST_FIT: f64 = 0.5;
+pub(super) const MOST_FIT: f64 = 0.8;
+pub(super) const LONGEST_FIT: u64 = 1 << 22;
+/// Each time that there are so many times more than this, nets of such a part of them see
+/// what is left, in case that it is little enough.
+pub(super) const ROUNDS_OF_FIT: u64 = 4;
+pub(super) const SHORTEST_FIT: u64 = 1 << 12;
+pub(super) const PART_OF_FIT: u64 = 16;
+/// Nobody vouches for the error of cubature where it is not known to be smooth: nets with
+/// a control variate may promise so much more.
+pub(super) const UNVOUCHED: f64 = 1e5;
+/// Where cubature has nothing but rounding left, polynomials leave no more than this, in
+/// units of what values are like.
+pub(super) const LEFT: f64 = 0.02;
+/// On planes, nets do better by so much.
+pub(super) const PLANE: f64 = 0.3;
 /// Peaks are searched for where the square of one value is as large as those of all
 /// together, divided by this, and so many times the average square.
 pub(super) const PEAKED: f64 = 30.0;

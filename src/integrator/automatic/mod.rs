@@ -4,13 +4,16 @@ mod answer;
 mod boxes;
 mod by;
 mod choice;
+mod control;
 mod decision;
 mod engine;
 mod faces;
 mod findings;
 mod fit;
+mod fitting;
 mod mixed;
 mod mixture;
+mod passes;
 mod pilot;
 mod points;
 mod promise;
@@ -37,11 +40,15 @@ use findings::{Findings, Stage};
 /// each of the methods is unbiased but cubature, whose error is an estimate
 /// ([`ErrorSource::Quadrature`](crate::estimate::ErrorSource::Quadrature)) that the
 /// pilot's samples have to agree with. Choosing takes 9 % of a budget of 10⁵, 2.7 %
-/// of one of 10⁶.
+/// of one of 10⁶. A control variate
+/// ([`QuadratureControlled`](super::QuadratureControlled)) is fitted to boxes, which cubature
+/// takes over if they tell that the integrand is smooth
+/// ([`Why::Smooth`]).
 ///
 /// | method | chosen where |
 /// |---|---|
 /// | adaptive cubature | few dimensions; smooth, or kinks and jumps along the axes |
+/// | nets with a control variate | kinks and jumps off the axes, in up to three dimensions |
 /// | a folded lattice | smooth, in more dimensions |
 /// | scrambled nets | most else |
 /// | nets through a learned map | peaks, poles, kinks along the axes; in more dimensions all that is nearly a product of one factor for each axis |
@@ -197,15 +204,16 @@ impl<E: TryEstimator> Integrator for Automatic<'_, E> {
     }
 
     fn meets(&self, tolerance: &Tolerance) -> bool {
-        self.stage == Stage::Answer && self.engine.meets(tolerance)
+        let answers = matches!(self.stage, Stage::Answer | Stage::Round);
+        answers && self.engine.meets(tolerance)
     }
 
     fn answer(&self) -> Option<Self::Answer> {
         let of_engine = || self.engine.answer(&self.findings.moments);
-        let estimate = match (self.stage, self.findings.look) {
-            (Stage::Answer, look) => of_engine().or(look),
-            (_, Some(look)) => Some(look),
-            _ => of_engine(),
+        let before = self.findings.round.or(self.findings.look);
+        let estimate = match self.stage {
+            Stage::Answer | Stage::Round => of_engine().or(before),
+            _ => before.or_else(of_engine),
         };
         Some(AutomaticEstimate {
             estimate: estimate?,

@@ -7,9 +7,9 @@ use super::choice::{Method, Promise, Why};
 use super::engine::Engine;
 use super::faces::Probe;
 use super::findings::{
-    ALIKE_AT, BASE, BOXES, CLEARLY, FACES, FEW, JUMP, LEARN, LOOK, MANY, MOST_FOLDED, MOST_PILOT,
-    MOST_SHARE, PILOT_LESSONS, PLAUSIBLE, ROUNDS, SHARE, SMALL, SMALL_DIMENSION, SMOOTH,
-    STRATA_RATE, Stage, TEACH, TEACH_PEAKS, UNLIMITED,
+    ALIKE_AT, BASE, BOXES, CLEARLY, FACES, FEW, JUMP, LEARN, LOOK, MANY, MOST_CONTROLLED,
+    MOST_FOLDED, MOST_PILOT, MOST_SHARE, PILOT_LESSONS, PLAUSIBLE, ROUNDS, SHARE, SMALL,
+    SMALL_DIMENSION, SMOOTH, STRATA_RATE, Stage, TEACH, TEACH_PEAKS, UNLIMITED,
 };
 use super::mixture::MOST_AXES;
 use super::points::Points;
@@ -78,6 +78,9 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             Stage::Faces => self.after_faces(),
             Stage::Look => self.after_look(),
             Stage::Boxes => self.after_boxes(),
+            Stage::Fit => self.after_fitting(),
+            Stage::Leave => self.after_leaving(),
+            Stage::Round => self.after_round(),
             Stage::Learn => self.after_learning(),
             Stage::Search => self.after_search(),
             Stage::Try => self.after_trying(),
@@ -149,7 +152,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         self.findings.budget - self.findings.pilot
     }
 
-    fn promise(&mut self, method: Method, error: Wide<E>) {
+    pub(super) fn promise(&mut self, method: Method, error: Wide<E>) {
         self.findings.promises.push(Promise { method, error });
     }
 
@@ -233,7 +236,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         let degrees = [(Degree::Nine, MANY), (Degree::Seven, FEW)];
         let boxes = degrees.into_iter().find_map(|(degree, fewest)| {
             let boxes = Boxes::new(self.estimator.clone(), self.dimension, degree)?;
-            let cost = boxes.smallest_pass();
+            let cost = boxes.passes.smallest_pass();
             (cost <= allowance && cost * fewest <= self.findings.budget).then_some(boxes)
         });
         match boxes {
@@ -244,7 +247,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         }
     }
 
-    fn search(&mut self) {
+    pub(super) fn search(&mut self) {
         if !(2..=MOST_AXES).contains(&self.dimension) || !self.is_peaked() {
             return self.learn();
         }
@@ -313,29 +316,28 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         let Engine::Boxes(boxes) = self.go(Stage::Boxes, idle, 0) else {
             return self.search();
         };
-        if let Some(error) = boxes.promise(self.rest() + boxes.spent(), self.is_wary())
+        if let Some(error) = boxes.promise(self.rest() + boxes.passes.spent(), self.is_wary())
             && self.agrees(&boxes)
         {
-            let settled = boxes.is_settled();
+            let settled = boxes.passes.is_settled();
             let net = self.findings.promises.first().map(|p| self.size(p.error));
             let times = net.map_or(f64::INFINITY, |net| self.size(error) / net);
             let clear = settled || times * CLEARLY < 1.0;
-            if !clear && times < PLAUSIBLE && !self.findings.deeper {
+            let deeper = !self.findings.deeper && self.dimension > MOST_CONTROLLED;
+            if !clear && times < PLAUSIBLE && deeper {
                 // Worth another look.
                 self.findings.deeper = true;
-                self.before -= boxes.spent();
+                self.before -= boxes.passes.spent();
                 let left = self.findings.pilot.saturating_sub(self.before);
-                let allowance = boxes.spent() + left / 2;
+                let allowance = boxes.passes.spent() + left / 2;
                 self.go(Stage::Boxes, Engine::Boxes(boxes), allowance);
                 return;
             }
             self.findings.boxes = Some(boxes);
             self.promise(Method::Cubature, error);
-            if clear {
-                return self.decide();
-            }
+            self.findings.clear = clear;
         }
-        self.search();
+        self.fit();
     }
 
     fn learn(&mut self) {
@@ -385,6 +387,9 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
     }
 
     fn after_teaching(&mut self) {
+        if matches!(self.engine, Engine::Fitting(_)) {
+            return self.after_fitting_further();
+        }
         let seed = self.seed_of(Stage::Begin);
         self.stage = Stage::Answer;
         let engine = match &self.engine {

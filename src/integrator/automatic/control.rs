@@ -1,0 +1,210 @@
+//! A polynomial as a control variate: what the pilot makes of it.
+
+use super::Automatic;
+use super::by::Wide;
+use super::choice::{Method, Why};
+use super::engine::Engine;
+use super::findings::{
+    FEW, FIT, LEAST_FIT, LEAVE, LEFT, LONGEST_FIT, MOST_CONTROLLED, MOST_FIT, NOISE, PART_OF_FIT,
+    ROUNDS_OF_FIT, SHORTEST_FIT, Stage, UNVOUCHED,
+};
+use super::fitting::Fitting;
+use super::promise::{layout, times};
+use crate::estimate::Estimate;
+use crate::estimator::TryEstimator;
+use crate::value::Value;
+
+impl<'a, E: TryEstimator> Automatic<'a, E> {
+    /// Fits a polynomial, where there are so few dimensions that it may pay.
+    pub(super) fn fit(&mut self) {
+        let allowance = self.part_of_pilot(FIT);
+        let fitting = Fitting::new(self.estimator.clone(), self.dimension)
+            .filter(|_| self.dimension <= MOST_CONTROLLED)
+            .filter(|fitting| fitting.passes.smallest_pass() * FEW <= allowance);
+        match fitting {
+            Some(fitting) => {
+                self.go(Stage::Fit, Engine::Fitting(Box::new(fitting)), allowance);
+            }
+            None => self.after_leaving(),
+        }
+    }
+
+    /// So much of the pilot, as long as most of it is not spent.
+    fn part_of_pilot(&self, share: f64) -> u64 {
+        let spent = self.before + self.engine.spent();
+        let left = self.findings.pilot.saturating_sub(spent);
+        ((self.findings.pilot as f64 * share) as u64).min(left / 2)
+    }
+
+    /// Whether cubature has nothing but rounding left.
+    pub(super) fn is_settled(&self) -> bool {
+        let boxes = self.findings.boxes.as_ref();
+        boxes.is_some_and(|boxes| boxes.passes.is_settled())
+    }
+
+    /// Puts nets on what the polynomial leaves.
+    pub(super) fn after_fitting(&mut self) {
+        let idle = Engine::plain(self.estimator.clone(), self.seed);
+        if let Engine::Fitting(fitting) = self.go(Stage::Fit, idle, 0)
+            && let Some(engine) = self.controlled(&fitting, Stage::Leave)
+        {
+            let fitted = engine.spent();
+            let (points, runs) = layout(self.part_of_pilot(LEAVE), false);
+            self.before -= fitted;
+            self.findings.fitting = Some(fitting);
+            self.go(Stage::Leave, engine, fitted + points * runs);
+            return;
+        }
+        self.after_leaving();
+    }
+
+    /// Nets on what the polynomial leaves. They count what it was fitted with as spent.
+    fn controlled(&self, fitting: &Fitting<'a, E>, stage: Stage) -> Option<Engine<'a, E>> {
+        let (estimator, seed) = (self.estimator.clone(), self.seed_of(stage));
+        let polynomial = fitting.polynomial()?;
+        Engine::controlled(estimator, polynomial, seed, self.non_finite)
+    }
+
+    pub(super) fn after_leaving(&mut self) {
+        if let (Some(fitting), Stage::Leave) = (&self.findings.fitting, self.stage) {
+            let (fitted, spent) = (fitting.passes.spent(), self.engine.spent());
+            let left = self.engine.answer(&self.findings.moments);
+            let error = left.map(|left| self.promise_of_controlled(&left, fitted, spent));
+            self.findings.left = left.map(|left| left.moments);
+            if let Some(error) = error {
+                self.promise(Method::Controlled, error);
+            }
+        }
+        if self.dimension > 1 && self.is_settled() && self.is_uneven() {
+            self.findings.boxes = None;
+            self.findings.clear = false;
+            self.findings
+                .promises
+                .retain(|p| p.method != Method::Cubature);
+        }
+        if self.findings.clear {
+            self.decide();
+        } else {
+            self.search();
+        }
+    }
+
+    /// From the bar of nets on what is left after `fitted` of the `spent` evaluations:
+    ///
+    /// ```text
+    /// σ̂ = σ (n/n̂)^rate √(N/N̂)      n for the polynomial, N for the nets
+    /// ```
+    fn promise_of_controlled(&self, left: &Estimate<Wide<E>>, fitted: u64, spent: u64) -> Wide<E> {
+        let rest = (self.findings.budget - self.findings.pilot + fitted) as f64;
+        let (rate, share) = (self.rate_of_fit(), self.share_of_fit());
+        let fit = (fitted as f64 / (share * rest)).min(1.0).powf(rate);
+        let noise = (spent - fitted) as f64 / ((1.0 - share) * rest);
+        times(left.standard_error, fit * noise.powf(NOISE))
+    }
+
+    fn rate_of_fit(&self) -> f64 {
+        let fitting = self.findings.fitting.as_ref();
+        fitting.map_or(0.0, |fitting| fitting.rate())
+    }
+
+    /// What part of the evaluations are best spent on the polynomial: of what leaves
+    /// n^−rate of the integrand, and of a net N^−½ of that.
+    fn share_of_fit(&self) -> f64 {
+        let rate = self.rate_of_fit();
+        (rate / (rate + NOISE)).clamp(LEAST_FIT, MOST_FIT)
+    }
+
+    /// By how much a control variate may promise more than cubature, whose error nobody
+    /// vouches for.
+    pub(super) fn unvouched(&self) -> f64 {
+        match &self.findings.fitting {
+            // On a line, any kink is along the axis.
+            _ if self.dimension == 1 => 1.0,
+            Some(fitting) if fitting.is_smooth() => 1.0,
+            _ => UNVOUCHED,
+        }
+    }
+
+    /// Whether so much is left that nodes must have missed it.
+    fn is_uneven(&self) -> bool {
+        let left = self.findings.left.and_then(|left| left.variance());
+        let root = |variance: Wide<E>| {
+            let mut deviation = variance.components();
+            deviation.as_mut().iter_mut().for_each(|v| *v = v.sqrt());
+            E::Value::wide(deviation)
+        };
+        left.is_some_and(|variance| self.size(root(variance)) > LEFT)
+    }
+
+    /// Fits further: the engine, what it has spent, and what it may spend at first.
+    pub(super) fn fit_further(&mut self, left: u64) -> Option<(Engine<'a, E>, u64, u64)> {
+        let share = self.share_of_fit();
+        let fitting = self.findings.fitting.take()?;
+        let used = fitting.passes.spent();
+        let (points, runs) = layout((left as f64 * (1.0 - share)) as u64, true);
+        self.before -= used;
+        let most = (used + left - points * runs).min(LONGEST_FIT);
+        (self.findings.most, self.findings.seen) = (most, SHORTEST_FIT);
+        Some((Engine::Fitting(fitting), used, most.min(2 * used)))
+    }
+
+    /// Goes on with cubature, if it has turned out to be smooth; or puts nets on what is
+    /// left, for the answer or to see whether it is good enough; or fits twice as much.
+    pub(super) fn after_fitting_further(&mut self) {
+        let idle = Engine::plain(self.estimator.clone(), self.seed);
+        let allowed = self.findings.allowance;
+        let Engine::Fitting(fitting) = self.go(Stage::Answer, idle, 0) else {
+            return;
+        };
+        let fitted = fitting.passes.spent();
+        self.before -= fitted;
+        if fitting.is_smooth() && self.pays(&fitting) {
+            if let Some(choice) = &mut self.choice {
+                (choice.method, choice.why) = (Method::Cubature, Why::Smooth);
+            }
+            self.go(Stage::Answer, Engine::Boxes(fitting.boxes()), 0);
+        } else if allowed >= self.findings.most {
+            if let Some(engine) = self.controlled(&fitting, Stage::Begin) {
+                self.go(Stage::Answer, engine, 0);
+            }
+        } else if fitted >= ROUNDS_OF_FIT * self.findings.seen
+            && fitted <= self.findings.most / ROUNDS_OF_FIT
+            && let Some(engine) = self.controlled(&fitting, Stage::Round)
+        {
+            self.findings.seen = fitted;
+            self.findings.fitting = Some(fitting);
+            self.go(Stage::Round, engine, fitted + fitted / PART_OF_FIT);
+        } else {
+            let allowance = self.findings.most.min(2 * allowed);
+            self.go(Stage::Teach, Engine::Fitting(fitting), allowance);
+        }
+    }
+
+    /// Whether what is left of the budget buys cubature, from the same boxes, a smaller
+    /// error than nets with a control variate promised.
+    fn pays(&self, fitting: &Fitting<'a, E>) -> bool {
+        let rest = self.findings.budget.saturating_sub(self.before);
+        let error = fitting.boxes().promise(rest, self.is_wary());
+        let promises = self.choice.iter().flat_map(|choice| &choice.promises);
+        let mut controlled = promises.filter(|p| p.method == Method::Controlled);
+        let promised = controlled.next().map(|p| self.size(p.error));
+        (error.map(|error| self.size(error)).zip(promised)).is_some_and(|(a, b)| a <= b)
+    }
+
+    /// Fits further after nets that were not good enough.
+    pub(super) fn after_round(&mut self) {
+        let idle = Engine::plain(self.estimator.clone(), self.seed);
+        self.findings.round = self.engine.answer(&self.findings.moments);
+        let spent = self.engine.spent();
+        self.go(Stage::Teach, idle, 0);
+        if let Some(fitting) = self.findings.fitting.take() {
+            let fitted = fitting.passes.spent();
+            if let Some(choice) = &mut self.choice {
+                choice.pilot += spent - fitted;
+            }
+            self.before -= fitted;
+            let allowance = self.findings.most.min(2 * fitted);
+            self.go(Stage::Teach, Engine::Fitting(fitting), allowance);
+        }
+    }
+}
