@@ -82,6 +82,11 @@ impl<I, W: Value<Wide = W>> QuadratureControlled<I, W> {
         }
     }
 
+    /// What the fit took.
+    pub(crate) const fn fitted(&self) -> u64 {
+        self.fitted
+    }
+
     /// The integrator of the residual.
     pub const fn residual(&self) -> &I {
         &self.residual

@@ -105,8 +105,9 @@ impl<C: Components> Pieces<C> {
     }
 
     /// What part of the axes the boxes take where f is rough, each on the axis that it
-    /// would be cut along, summed: nearly nothing where f is rough across axes only.
-    pub(crate) fn rough_span(&self) -> f64 {
+    /// would be cut along, summed; and the most that one of them takes. Where f is rough
+    /// across axes only, both are nearly nothing, and nearly the same.
+    pub(crate) fn rough_span(&self) -> (f64, f64) {
         let most = self.pieces.iter().map(|p| p.seen).fold(0.0, f64::max);
         let rough = |p: &&Piece<C>| p.rough > ROUGH && p.seen >= FAINT * most;
         let mut sides: Vec<_> = (self.pieces.iter().filter(rough))
@@ -119,15 +120,16 @@ impl<C: Components> Pieces<C> {
             })
             .collect();
         sides.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        let (mut span, mut end) = (0.0, (0, 0.0));
+        let (mut span, mut widest, mut end) = (0.0, 0.0_f64, (0, 0.0));
         for (axis, from, to) in sides {
+            widest = widest.max(to - from);
             let begin = if axis == end.0 { from.max(end.1) } else { from };
             if to > begin || axis != end.0 {
                 span += to - begin;
                 end = (axis, to);
             }
         }
-        span
+        (span, widest)
     }
 
     /// Cuts the piece with most left, until the budget does not pay for two more or

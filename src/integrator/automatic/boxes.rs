@@ -155,6 +155,15 @@ impl<'a, E: TryEstimator> Boxes<'a, E> {
         Self { passes, history }
     }
 
+    /// Whether both may be right, by what they claim.
+    pub(super) fn agree(&self, others: &Self) -> bool {
+        let [ours, theirs] = [self, others].map(|boxes| boxes.passes.partition.total());
+        (0..Parts::<E>::COUNT).all(|k| {
+            let apart = (at(&ours.0, k) - at(&theirs.0, k)).abs();
+            apart <= at(&ours.1, k) + at(&theirs.1, k)
+        })
+    }
+
     pub(super) fn on_non_finite(self, policy: NonFinite) -> Self {
         let passes = self.passes.on_non_finite(policy);
         Self { passes, ..self }

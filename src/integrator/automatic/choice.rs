@@ -57,6 +57,8 @@ pub enum Why {
     /// Polynomials in boxes, as a control variate, have shown that it is smooth, or rough
     /// along axes only.
     Smooth,
+    /// Values had to be set aside, which a control variate would have stood in for.
+    SetAside,
 }
 
 impl fmt::Display for Why {
@@ -66,6 +68,7 @@ impl fmt::Display for Why {
             Self::SmallBudget => "the budget is too small for a pilot",
             Self::AllZero => "every value of the pilot is 0",
             Self::Smooth => "it has turned out to be smooth",
+            Self::SetAside => "values had to be set aside",
         })
     }
 }

@@ -1,18 +1,18 @@
 //! A polynomial as a control variate: what the pilot makes of it.
 
 use super::Automatic;
+use super::boxes::Boxes;
 use super::by::Wide;
 use super::choice::{Method, Why};
 use super::engine::Engine;
 use super::findings::{
-    FEW, FIT, LEAST_FIT, LEAVE, LEFT, LONGEST_FIT, MOST_CONTROLLED, MOST_FIT, NOISE, PART_OF_FIT,
-    ROUNDS_OF_FIT, SHORTEST_FIT, Stage, UNVOUCHED,
+    FEW, FIT, LEAST_FIT, LEAVE, LONGEST_FIT, MOST_CONTROLLED, MOST_FIT, NOISE, OUTLIER,
+    PART_OF_FIT, ROUGHLY_ROUNDED, ROUNDS_OF_FIT, SHORTEST_FIT, Stage,
 };
 use super::fitting::Fitting;
 use super::promise::{layout, times};
 use crate::estimate::Estimate;
 use crate::estimator::TryEstimator;
-use crate::value::Value;
 
 impl<'a, E: TryEstimator> Automatic<'a, E> {
     /// Fits a polynomial, where there are so few dimensions that it may pay.
@@ -49,7 +49,9 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             && let Some(engine) = self.controlled(&fitting, Stage::Leave)
         {
             let fitted = engine.spent();
-            let (points, runs) = layout(self.part_of_pilot(LEAVE), false);
+            // What is settled, all that is left of the pilot looks into.
+            let share = if self.is_settled() { 1.0 } else { LEAVE };
+            let (points, runs) = layout(self.part_of_pilot(share), false);
             self.before -= fitted;
             self.findings.fitting = Some(fitting);
             self.go(Stage::Leave, engine, fitted + points * runs);
@@ -69,13 +71,15 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         if let (Some(fitting), Stage::Leave) = (&self.findings.fitting, self.stage) {
             let (fitted, spent) = (fitting.passes.spent(), self.engine.spent());
             let left = self.engine.answer(&self.findings.moments);
-            let error = left.map(|left| self.promise_of_controlled(&left, fitted, spent));
-            self.findings.left = left.map(|left| left.moments);
+            // Of what polynomials are said to leave nothing of, nets have nothing to tell.
+            let told = left.filter(|_| fitting.passes.partition.left() > 0.0);
+            let error = told.map(|left| self.promise_of_controlled(&left, fitted, spent));
+            self.findings.uneven = left.is_some_and(|left| self.is_uneven(fitting, &left));
             if let Some(error) = error {
                 self.promise(Method::Controlled, error);
             }
         }
-        if self.dimension > 1 && self.is_settled() && self.is_uneven() {
+        if self.findings.uneven && self.dimension > 1 {
             self.findings.boxes = None;
             self.findings.clear = false;
             self.findings
@@ -87,6 +91,13 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         } else {
             self.search();
         }
+    }
+
+    /// Whether points have met far more than nodes say is left: what lies between nodes,
+    /// cubature has missed as well.
+    fn is_uneven(&self, fitting: &Fitting<'a, E>, left: &Estimate<Wide<E>>) -> bool {
+        let met = self.size(left.moments.largest());
+        met > OUTLIER * fitting.passes.partition.left() + ROUGHLY_ROUNDED
     }
 
     /// From the bar of nets on what is left after `fitted` of the `spent` evaluations:
@@ -114,26 +125,11 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         (rate / (rate + NOISE)).clamp(LEAST_FIT, MOST_FIT)
     }
 
-    /// By how much a control variate may promise more than cubature, whose error nobody
-    /// vouches for.
-    pub(super) fn unvouched(&self) -> f64 {
-        match &self.findings.fitting {
-            // On a line, any kink is along the axis.
-            _ if self.dimension == 1 => 1.0,
-            Some(fitting) if fitting.is_smooth() => 1.0,
-            _ => UNVOUCHED,
-        }
-    }
-
-    /// Whether so much is left that nodes must have missed it.
-    fn is_uneven(&self) -> bool {
-        let left = self.findings.left.and_then(|left| left.variance());
-        let root = |variance: Wide<E>| {
-            let mut deviation = variance.components();
-            deviation.as_mut().iter_mut().for_each(|v| *v = v.sqrt());
-            E::Value::wide(deviation)
-        };
-        left.is_some_and(|variance| self.size(root(variance)) > LEFT)
+    /// Whether cubature may be chosen: on a line, where any kink is along the axis, where
+    /// nobody was asked, and where boxes tell that it is smooth.
+    pub(super) fn is_vouched_for(&self) -> bool {
+        let fitting = self.findings.fitting.as_ref();
+        self.dimension == 1 || fitting.is_none_or(|fitting| fitting.is_smooth())
     }
 
     /// Fits further: the engine, what it has spent, and what it may spend at first.
@@ -158,7 +154,10 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         };
         let fitted = fitting.passes.spent();
         self.before -= fitted;
-        if fitting.is_smooth() && self.pays(&fitting) {
+        if !fitting.passes.goes_on() {
+            // A polynomial would stand in for what was set aside.
+            self.settle_for_nets(fitted);
+        } else if fitting.is_smooth() && self.pays(&fitting.boxes()) {
             if let Some(choice) = &mut self.choice {
                 (choice.method, choice.why) = (Method::Cubature, Why::Smooth);
             }
@@ -180,15 +179,32 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         }
     }
 
-    /// Whether what is left of the budget buys cubature, from the same boxes, a smaller
-    /// error than nets with a control variate promised.
-    fn pays(&self, fitting: &Fitting<'a, E>) -> bool {
+    /// Puts nets on the integrand as it is.
+    fn settle_for_nets(&mut self, fitted: u64) {
+        self.before += fitted;
+        if let Some(choice) = &mut self.choice {
+            (choice.method, choice.why) = (Method::Net, Why::SetAside);
+            choice.pilot = self.before;
+        }
+        if let Some(engine) = self.net(Stage::Answer, self.findings.net) {
+            self.go(Stage::Answer, engine, 0);
+        }
+    }
+
+    /// Whether what is left of the budget buys cubature, from these boxes, a smaller error
+    /// than nets with a control variate promised; and they agree with all that was seen.
+    fn pays(&self, boxes: &Boxes<'a, E>) -> bool {
         let rest = self.findings.budget.saturating_sub(self.before);
-        let error = fitting.boxes().promise(rest, self.is_wary());
+        let error = boxes.promise(rest, self.is_wary());
         let promises = self.choice.iter().flat_map(|choice| &choice.promises);
         let mut controlled = promises.filter(|p| p.method == Method::Controlled);
         let promised = controlled.next().map(|p| self.size(p.error));
-        (error.map(|error| self.size(error)).zip(promised)).is_some_and(|(a, b)| a <= b)
+        let smaller = error.map(|error| self.size(error)).zip(promised);
+        let others = self.findings.boxes.as_ref();
+        !self.findings.uneven
+            && smaller.is_some_and(|(error, promised)| error <= promised)
+            && self.agrees(boxes)
+            && others.is_none_or(|others| others.agree(boxes))
     }
 
     /// Fits further after nets that were not good enough.

@@ -7,8 +7,8 @@ use super::choice::{Choice, Method, Promise, Why};
 use super::engine::Engine;
 use super::findings::{
     ALIKE, BELOW_MAP, BEYOND_MAP, BEYOND_STRATA, CUBATURE, EFFECTIVE, FAR, FEWEST, FLAT, Findings,
-    MEANT, MET, MISSED, PEAKED, PLANE, POLES, ROUNDS_MORE, SHARP, STRATA, Shares, Stage, TAUGHT,
-    TEACH, TEACH_PEAKS, TEACHING, TELLING, TELLING_ALONE, UNLIKE,
+    MEANT, MET, MISSED, PEAKED, PLANE, POLES, ROUNDED, ROUNDS_MORE, SHARP, STRATA, Shares, Stage,
+    TAUGHT, TEACH, TEACH_PEAKS, TEACHING, TELLING, TELLING_ALONE, UNLIKE,
 };
 use super::promise::layout;
 use crate::estimate::Moments;
@@ -22,7 +22,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         let mut promises = core::mem::take(&mut self.findings.promises);
         let size_of = |method: Method| {
             let promise = promises.iter().find(|p| p.method == method);
-            promise.map_or(f64::INFINITY, |p| self.size(p.error))
+            promise.map_or(f64::INFINITY, |p| self.size(p.error).max(ROUNDED))
         };
         let (strata, plain) = (size_of(Method::Strata), size_of(Method::Plain));
         let controlled = size_of(Method::Controlled);
@@ -45,11 +45,11 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         };
         let most = even.max(mapped).max(peaks);
         let settled = self.is_settled();
-        let unvouched = self.unvouched();
-        let rough = self.dimension == 2 && unvouched > 1.0 && controlled.is_finite();
+        let vouched = self.is_vouched_for() || controlled.is_infinite();
+        let rough = self.dimension == 2 && !vouched;
         let unmet = |share: f64| (most / (met * share)).max(1.0).powi(2);
         let of = |p: &Promise<_>| {
-            let size = self.size(p.error);
+            let size = self.size(p.error).max(ROUNDED);
             match p.method {
                 // With many axes, what noise teaches adds up to a density that is far
                 // from even, whose errors few samples show.
@@ -69,10 +69,10 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
                 // What is rough folds badly.
                 Method::Lattice if rough => f64::INFINITY,
                 Method::Plain | Method::Lattice => size * below * unmet(even),
+                Method::Cubature if !vouched => f64::INFINITY,
                 Method::Cubature if settled => -1.0,
-                Method::Cubature if controlled < unvouched * size => f64::INFINITY,
                 Method::Cubature => size * CUBATURE,
-                Method::Controlled if self.dimension <= 2 => size * PLANE,
+                Method::Controlled if self.dimension == 2 => size * PLANE,
                 Method::Controlled => size,
             }
         };
@@ -104,10 +104,14 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
                 });
                 (Stage::Teach, engine, used, used + allowance)
             }
-            (Method::Controlled, ..) => match self.fit_further(left) {
-                Some((engine, used, allowance)) => (Stage::Teach, Some(engine), used, allowance),
-                None => (Stage::Answer, None, 0, 0),
-            },
+            (Method::Controlled, _, boxes) => {
+                // Those that are cut for the control variate have to agree with these.
+                self.findings.boxes = boxes;
+                match self.fit_further(left) {
+                    Some((engine, used, most)) => (Stage::Teach, Some(engine), used, most),
+                    None => (Stage::Answer, None, 0, 0),
+                }
+            }
             (Method::Cubature, _, Some(boxes)) => {
                 let used = boxes.passes.spent();
                 self.before -= used;

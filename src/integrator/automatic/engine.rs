@@ -236,7 +236,14 @@ impl<'a, E: TryEstimator> Engine<'a, E> {
             (Self::Mapped(engine), Part::Points(pass)) => engine.absorb(pass, blocks),
             (Self::Strata(engine), Part::Strata(pass)) => engine.absorb(pass, blocks),
             (Self::Mixed(engine), Part::Points(pass)) => engine.absorb(pass, blocks),
-            (Self::Controlled(engine), Part::Points(pass)) => engine.absorb(pass, blocks),
+            (Self::Controlled(engine), Part::Points(pass)) => {
+                let fitted = engine.fitted();
+                let result = engine.absorb(pass, blocks);
+                result.map_err(|mut error| {
+                    error.sample += fitted;
+                    error
+                })
+            }
             (Self::Boxes(engine), Part::Boxes(pass)) => engine.absorb(pass),
             (Self::Fitting(engine), Part::Fitting(pass)) => engine.absorb(pass),
             (Self::Search(engine), Part::Search(pass)) => engine.absorb(pass, blocks),

@@ -73,9 +73,10 @@ pub(super) struct Findings<'a, E: TryEstimator> {
     pub(super) history: Vec<(u64, f64)>,
     pub(super) boxes: Option<Boxes<'a, E>>,
     pub(super) fitting: Option<Box<Fitting<'a, E>>>,
-    /// What it leaves; how much it may be fitted with, and was when nets last saw what is
-    /// left; and what these said.
-    pub(super) left: Option<Moments<Wide<E>>>,
+    /// Whether nodes have missed what points in between have met.
+    pub(super) uneven: bool,
+    /// How much it may be fitted with, and was when nets last saw what is left; and what
+    /// these said.
     pub(super) most: u64,
     pub(super) seen: u64,
     pub(super) round: Option<Estimate<Wide<E>>>,
@@ -110,7 +111,7 @@ impl<E: TryEstimator> Default for Findings<'_, E> {
             history: Vec::new(),
             boxes: None,
             fitting: None,
-            left: None,
+            uneven: false,
             most: 0,
             seen: 0,
             round: None,
@@ -167,12 +168,12 @@ pub(super) const LONGEST_FIT: u64 = 1 << 22;
 pub(super) const ROUNDS_OF_FIT: u64 = 4;
 pub(super) const SHORTEST_FIT: u64 = 1 << 12;
 pub(super) const PART_OF_FIT: u64 = 16;
-/// Nobody vouches for the error of cubature where it is not known to be smooth: nets with
-/// a control variate may promise so much more.
-pub(super) const UNVOUCHED: f64 = 1e5;
-/// Where cubature has nothing but rounding left, polynomials leave no more than this, in
-/// units of what values are like.
-pub(super) const LEFT: f64 = 0.02;
+/// What nets on what is left meet is at most so many times as large as nodes say that it is
+/// on average, but for rounding.
+pub(super) const OUTLIER: f64 = 30.0;
+pub(super) const ROUGHLY_ROUNDED: f64 = 1e-9;
+/// Nothing is known better than this part of what values are like.
+pub(super) const ROUNDED: f64 = 1e-15;
 /// On planes, nets do better by so much.
 pub(super) const PLANE: f64 = 0.3;
 /// Peaks are searched for where the square of one value is as large as those of all

@@ -21,8 +21,10 @@ type Partitioned<E> = Pieces<Parts<E>>;
 
 /// Over the last two doublings.
 const LATE: f64 = 4.0;
-/// A kink or a jump that no axis follows has boxes on more than this part of the axes.
+/// A kink or a jump that no axis follows has boxes on more than this part of the axes, or,
+/// if it is small, on so many times more than one of them takes.
 const SPAN: f64 = 0.05;
+const MANY: f64 = 8.0;
 
 impl<'a, E: TryEstimator> Fitting<'a, E> {
     /// `None` in too many dimensions.
@@ -81,7 +83,8 @@ impl<'a, E: TryEstimator> Fitting<'a, E> {
     /// Whether boxes have become small enough to tell that the integrand is smooth, or
     /// rough across axes only, where it takes few boxes.
     pub(super) fn is_smooth(&self) -> bool {
-        self.passes.goes_on() && self.passes.partition.rough_span() < SPAN
+        let (span, widest) = self.passes.partition.rough_span();
+        self.passes.goes_on() && span < SPAN && span <= MANY * widest
     }
 }
 

@@ -42,13 +42,13 @@ use findings::{Findings, Stage};
 /// pilot's samples have to agree with. Choosing takes 9 % of a budget of 10⁵, 2.7 %
 /// of one of 10⁶. A control variate
 /// ([`QuadratureControlled`](super::QuadratureControlled)) is fitted to boxes, which cubature
-/// takes over if they tell that the integrand is smooth
-/// ([`Why::Smooth`]).
+/// takes over if they tell that the integrand is smooth ([`Why::Smooth`]), and which are
+/// dropped if a value has to be set aside ([`Why::SetAside`]).
 ///
 /// | method | chosen where |
 /// |---|---|
-/// | adaptive cubature | few dimensions; smooth, or kinks and jumps along the axes |
-/// | nets with a control variate | kinks and jumps off the axes, in up to three dimensions |
+/// | adaptive cubature | few dimensions; smooth, or kinks and jumps across the axes |
+/// | nets with a control variate | kinks and jumps off the axes, in two and three dimensions |
 /// | a folded lattice | smooth, in more dimensions |
 /// | scrambled nets | most else |
 /// | nets through a learned map | peaks, poles, kinks along the axes; in more dimensions all that is nearly a product of one factor for each axis |

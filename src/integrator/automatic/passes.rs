@@ -23,6 +23,8 @@ pub(super) struct Passes<'a, E, P> {
     /// Whether a box could not be cut: a value that is set aside, or a sum that
     /// overflows.
     stuck: bool,
+    /// Evaluations of boxes that could not be cut.
+    lost: u64,
 }
 
 /// Boxes with less than this share of the largest error wait for a later pass.
@@ -37,12 +39,14 @@ const MOST_CUTS: usize = 1 << 12;
 pub struct PassesPartial<V: Value, E, W, C> {
     whole: Option<W>,
     cuts: Vec<C>,
+    evaluations: u64,
     failure: Option<SampleError<V, E>>,
 }
 
 impl<V: Value, E, W, C> Merge for PassesPartial<V, E, W, C> {
     fn merge(&mut self, right: Self) {
         self.cuts.extend(right.cuts);
+        self.evaluations += right.evaluations;
         self.failure = self.failure.take().or(right.failure);
     }
 }
@@ -68,6 +72,7 @@ impl<'a, E: TryEstimator, P: Partition<Parts<E>>> Passes<'a, E, P> {
             each,
             non_finite: NonFinite::Refuse,
             stuck: false,
+            lost: 0,
         }
     }
 
@@ -80,6 +85,7 @@ impl<'a, E: TryEstimator, P: Partition<Parts<E>>> Passes<'a, E, P> {
             each: self.each,
             non_finite: self.non_finite,
             stuck: self.stuck,
+            lost: self.lost,
         }
     }
 
@@ -88,7 +94,7 @@ impl<'a, E: TryEstimator, P: Partition<Parts<E>>> Passes<'a, E, P> {
     }
 
     pub(super) fn spent(&self) -> u64 {
-        self.partition.evaluations()
+        self.partition.evaluations() + self.lost
     }
 
     /// Whether there is a box, and each can be cut.
@@ -122,8 +128,9 @@ impl<'a, E: TryEstimator, P: Partition<Parts<E>>> Passes<'a, E, P> {
     }
 
     pub(super) fn block(&self, index: u64) -> ControlFlow<Block<E, P>, Block<E, P>> {
-        let mut failure = None;
+        let (mut failure, mut evaluations) = (None, 0);
         let mut g = |u: &[f64]| {
+            evaluations += 1;
             let value = self.estimator.try_estimate(&mut Given::new(u));
             let cause = match value {
                 Ok(value) if is_finite(value) => return value.components(),
@@ -160,6 +167,7 @@ impl<'a, E: TryEstimator, P: Partition<Parts<E>>> Passes<'a, E, P> {
         let partial = PassesPartial {
             whole,
             cuts,
+            evaluations,
             failure,
         };
         if ended {
@@ -170,6 +178,7 @@ impl<'a, E: TryEstimator, P: Partition<Parts<E>>> Passes<'a, E, P> {
     }
 
     pub(super) fn absorb(&mut self, pass: Block<E, P>) -> Result<(), Failed<E>> {
+        let before = self.partition.evaluations();
         let brought = pass.cuts.len() + usize::from(pass.whole.is_some());
         self.stuck = brought < self.batch.len().max(1);
         if let Some(whole) = pass.whole {
@@ -179,6 +188,9 @@ impl<'a, E: TryEstimator, P: Partition<Parts<E>>> Passes<'a, E, P> {
             self.partition.replace(cut);
         }
         self.partition.settle();
+        self.lost += pass
+            .evaluations
+            .saturating_sub(self.partition.evaluations() - before);
         self.batch.clear();
         pass.failure.map_or(Ok(()), Err)
     }
