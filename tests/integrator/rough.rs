@@ -243,6 +243,23 @@ fn integrate_with(
         .answer
 }
 
+/// A constant, but for a disk of 0.3 % of the square between the nodes. Cubature stops at
+/// once, with an error of nothing but rounding.
+#[test]
+fn what_points_meet_between_nodes_is_not_lost() {
+    let disk = |[x, y]: [f64; 2]| 1.0 + f64::from((x - 0.3142).hypot(y - 0.7183) < 0.03);
+    let exact = 1.0 + core::f64::consts::PI * 9e-4;
+    let once = Tolerance::relative(1e-12).unwrap();
+    let boxes = Adaptive::new(disk, UnitCube::<2>, Degree::Nine);
+    let fooled = boxes.unwrap().refine(&once, 100_000).unwrap();
+    assert!(fooled.converged && fooled.value == 1.0);
+    for seed in 0..5 {
+        let (e, _) = of(&disk, seed, &Stop::samples(200_000));
+        assert!((e.mean - exact).abs() < 6.0 * e.standard_error, "{e}");
+        assert!(e.standard_error < 1e-4, "{e}");
+    }
+}
+
 /// Though a large budget would have it fit for long.
 #[test]
 fn a_tolerance_is_met_long_before_the_budget_ends() {
@@ -290,19 +307,66 @@ fn goes_on_with_nets_and_sets_aside() {
     assert!(aside.spent() > 1_000_000 && aside.spent() <= 1_200_000);
     assert!(more.standard_error < few.standard_error);
     assert!((more.mean - case.exact()).abs() < 1e-5, "{more}");
-    // Where it is refused, the place is named.
-    let mut refused = Automatic::new(&estimator, 2, 1).unwrap();
-    let Err(error) = run(&mut refused, &Serial, &Stop::samples(300_000)) else {
-        panic!("not refused");
+    // Where it is refused, the place is named, and which evaluation it was.
+    let (calls, hit) = (AtomicU64::new(0), AtomicU64::new(0));
+    let counted = |x: [f64; 2]| {
+        let (call, value) = (calls.fetch_add(1, Ordering::Relaxed), holed(x));
+        if value.is_nan() {
+            hit.store(call, Ordering::Relaxed);
+        }
+        value
     };
-    let RunError::Sample { error, .. } = error else {
-        panic!("{error}");
+    let f: Plane<'_> = &counted;
+    let estimator = Importance::new(f, UnitCube::<2>);
+    let mut refused = Automatic::new(&estimator, 2, 1).unwrap();
+    let found = run(&mut refused, &Serial, &Stop::samples(300_000));
+    let Err(RunError::Sample { error, .. }) = found else {
+        panic!("not refused");
     };
     let place = error.location.point.clone().unwrap();
     assert!(
         place.starts_with("[0.3") && place.contains(", 0.74"),
         "{error}"
     );
+    assert!(
+        error.sample > 30_000 && error.sample == hit.into_inner(),
+        "{error}"
+    );
+}
+
+/// A hole that the boxes meet: no polynomial stands in for what is missing there.
+#[test]
+fn what_is_set_aside_has_no_control_variate() {
+    let case = Beyond {
+        a: 0.7,
+        c: 0.83,
+        power: 1,
+    };
+    let calls = AtomicU64::new(0);
+    let in_hole = |[x, y]: [f64; 2]| (x - 0.31).hypot(y - 0.7428) < 0.01;
+    let holed = |x: [f64; 2]| {
+        calls.fetch_add(1, Ordering::Relaxed);
+        if in_hole(x) { f64::NAN } else { case.at(x) }
+    };
+    let f: Plane<'_> = &holed;
+    let estimator = Importance::new(f, UnitCube::<2>);
+    let aside = Automatic::new(&estimator, 2, 2).unwrap();
+    let mut aside = aside.on_non_finite(NonFinite::SetAside);
+    let e = run(&mut aside, &Serial, &Stop::samples(300_000))
+        .unwrap()
+        .answer;
+    assert_ne!(chosen(&e).0, Method::Controlled);
+    assert_eq!(calls.load(Ordering::Relaxed), aside.spent());
+    // The mean over what is left of the square, by a net alone.
+    let net = Sobol::new(2).unwrap().scrambled(Owen, 9);
+    let mut alone = LongNet::new(&estimator, net).on_non_finite(NonFinite::SetAside);
+    let alone = run(&mut alone, &Serial, &Stop::samples(1 << 18))
+        .unwrap()
+        .answer;
+    let both = e.standard_error.hypot(alone.standard_error);
+    assert!((e.mean - alone.mean).abs() < 6.0 * both, "{e} {alone}");
+    // It is not that of the whole square.
+    assert!((e.mean - case.exact()).abs() > 10.0 * both, "{e}");
 }
 
 /// The partition is shared, and so is the choice; each component has its own bar.
