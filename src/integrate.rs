@@ -17,8 +17,8 @@ pub type AutomaticOutcome<V> =
     Result<Finished<AutomaticEstimate<V>>, RunError<AutomaticEstimate<V>, SampleError<V>>>;
 
 /// ∫ f over a domain, by the method that a pilot finds best: adaptive cubature, nets,
-/// as they are, through a learned map or on peaks that were searched for, VEGAS+, or
-/// plain Monte Carlo ([`Automatic`]).
+/// as they are, with a control variate, through a learned map or on peaks that were
+/// searched for, VEGAS+, or plain Monte Carlo ([`Automatic`]).
 ///
 /// A [`Domain`] is a range, which may be infinite, an array or a pair of ranges, or any
 /// [`Pdf`]: one that has something of the integrand already. The answer is an
