@@ -46,6 +46,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
     pub(super) fn after_fitting(&mut self) {
         let idle = Engine::plain(self.estimator.clone(), self.seed);
         if let Engine::Fitting(fitting) = self.go(Stage::Fit, idle, 0)
+            && fitting.passes.goes_on()
             && let Some(engine) = self.controlled(&fitting, Stage::Leave)
         {
             let fitted = engine.spent();
@@ -163,8 +164,11 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             }
             self.go(Stage::Answer, Engine::Boxes(fitting.boxes()), 0);
         } else if allowed >= self.findings.most {
-            if let Some(engine) = self.controlled(&fitting, Stage::Begin) {
-                self.go(Stage::Answer, engine, 0);
+            match self.controlled(&fitting, Stage::Begin) {
+                Some(engine) => {
+                    self.go(Stage::Answer, engine, 0);
+                }
+                None => self.settle_for_nets(fitted),
             }
         } else if fitted >= ROUNDS_OF_FIT * self.findings.seen
             && fitted <= self.findings.most / ROUNDS_OF_FIT
