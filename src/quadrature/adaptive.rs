@@ -4,8 +4,8 @@ use core::fmt;
 
 use super::QuadratureError;
 use super::composite::finite;
-use super::partition::Partition;
-use super::regions::{BoxRule, NotFinite, Regions};
+use super::partition::{NotFinite, Partition};
+use super::regions::{BoxRule, Regions};
 use super::symmetric::Degree;
 use crate::estimate::{Tolerance, with_errors};
 use crate::pdf::Pdf;

@@ -1,7 +1,10 @@
 //! What is cut into boxes, the worst first.
 
-use super::regions::NotFinite;
 use crate::value::Components;
+
+/// The integrand has a value that is not finite, or its integral overflows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct NotFinite;
 
 /// The unit cube, cut into boxes where an integrand asks for it.
 ///

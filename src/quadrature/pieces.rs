@@ -3,9 +3,9 @@
 use std::collections::BinaryHeap;
 
 use super::found::Found;
-use super::partition::Partition;
+use super::partition::{NotFinite, Partition};
 use super::projection::Projection;
-use super::regions::{BoxRule, NotFinite, Rank, Regions};
+use super::regions::{BoxRule, Rank, Regions};
 use super::symmetric::Degree;
 use crate::value::Components;
 

@@ -2,10 +2,10 @@
 
 use super::QuadratureError;
 use super::found::rounding;
-use super::partition::Partition;
+use super::partition::{NotFinite, Partition};
 use super::pieces::{Halved, Piece, Pieces};
 use super::projection::{MOST_FITTED, Projection};
-use super::regions::{BoxRule, NotFinite};
+use super::regions::BoxRule;
 use super::symmetric::Degree;
 use crate::value::{Components, Value};
 

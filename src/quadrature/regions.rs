@@ -5,7 +5,7 @@ use std::collections::BinaryHeap;
 
 use super::found::Found;
 use super::kronrod;
-use super::partition::Partition;
+use super::partition::{NotFinite, Partition};
 use super::symmetric::{Degree, MOST_AXES, Symmetric};
 use crate::estimate::Tolerance;
 use crate::value::Components;
@@ -101,10 +101,6 @@ impl BoxRule {
 
 /// What makes components comparable where no tolerance does.
 const EVEN: Tolerance = Tolerance::EVEN;
-
-/// The integrand has a value that is not finite, or its integral overflows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct NotFinite;
 
 /// A partition of the unit cube into boxes, the worst of which is cut next.
 ///
