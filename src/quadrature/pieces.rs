@@ -104,6 +104,16 @@ impl<C: Components> Pieces<C> {
         self.pieces.iter().map(|p| p.left).sum()
     }
 
+    /// What part of ∫ |f − g|, as nodes see it, boxes have where f is rough.
+    pub(crate) fn rough_share(&self) -> f64 {
+        let seen = |rough: f64| -> f64 {
+            let boxes = self.pieces.iter().filter(|p| p.rough > rough);
+            boxes.map(|p| p.seen).sum()
+        };
+        let (rough, all) = (seen(ROUGH), seen(-1.0));
+        if all > 0.0 { rough / all } else { 0.0 }
+    }
+
     /// What part of the axes the boxes take where f is rough, each on the axis that it
     /// would be cut along, summed; and the most that one of them takes. Where f is rough
     /// across axes only, both are nearly nothing, and nearly the same.

@@ -21,7 +21,9 @@ type Partitioned<E> = Pieces<Parts<E>>;
 
 /// Over the last two doublings.
 const LATE: f64 = 4.0;
-/// A kink or a jump that no axis follows has boxes on more than this part of the axes, or,
+/// Kinks and jumps hold a larger part than this of what polynomials leave.
+const SHARE: f64 = 0.03;
+/// One that no axis follows has boxes on more than this part of the axes, or,
 /// if it is small, on so many times more than one of them takes.
 const SPAN: f64 = 0.05;
 const MANY: f64 = 8.0;
@@ -83,8 +85,10 @@ impl<'a, E: TryEstimator> Fitting<'a, E> {
     /// Whether boxes have become small enough to tell that the integrand is smooth, or
     /// rough across axes only, where it takes few boxes.
     pub(super) fn is_smooth(&self) -> bool {
-        let (span, widest) = self.passes.partition.rough_span();
-        self.passes.goes_on() && span < SPAN && span <= MANY * widest
+        let pieces = &self.passes.partition;
+        let (span, widest) = pieces.rough_span();
+        let across_axes = span < SPAN && span <= MANY * widest;
+        self.passes.goes_on() && (across_axes || pieces.rough_share() < SHARE)
     }
 }
 
