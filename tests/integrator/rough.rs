@@ -186,18 +186,61 @@ fn a_step_that_is_smooth_is_left_to_cubature() {
     assert_eq!(chosen(&e), (Method::Controlled, Why::SmallestError));
 }
 
+/// A kink is nearly nothing next to where it is; a jump is not, and may lie between the
+/// outermost nodes and the end of a box, as one does here for rules of degree seven.
 #[test]
-fn along_axes_cubature_needs_nobody() {
+fn across_axes_cubature_is_believed_of_kinks() {
     let kinks = |[x, y]: [f64; 2]| (x - 0.37).abs() + (y - 0.613).abs();
-    let jumps = |[x, y]: [f64; 2]| f64::from(x < 0.37 && y < 0.613);
-    let kinks_exact =
-        0.5 * (0.37_f64.powi(2) + 0.63_f64.powi(2) + 0.613_f64.powi(2) + 0.387_f64.powi(2));
-    let cases: [(Plane<'_>, f64); 2] = [(&kinks, kinks_exact), (&jumps, 0.37 * 0.613)];
-    for (f, exact) in cases {
-        let (e, _) = of(f, 1, &Stop::samples(100_000));
-        assert_eq!(chosen(&e).0, Method::Cubature);
-        assert!((e.mean - exact).abs() < 1e-12, "{e} {exact}");
+    let squares = 0.37_f64.powi(2) + 0.63_f64.powi(2) + 0.613_f64.powi(2) + 0.387_f64.powi(2);
+    let (e, _) = of(&kinks, 1, &Stop::samples(100_000));
+    assert_eq!(chosen(&e).0, Method::Cubature);
+    assert!((e.mean - 0.5 * squares).abs() < 1e-12, "{e}");
+    let jumps = |[x, y]: [f64; 2]| f64::from(x < 0.371 && y < 0.62);
+    let mut boxes = Adaptive::new(jumps, UnitCube::<2>, Degree::Seven).unwrap();
+    let fooled = boxes.refine(&Tolerance::relative(1e-13).unwrap(), 100_000);
+    let off = (fooled.unwrap().value - 0.23002).abs();
+    assert!(off > 1e-6 && off > 1e3 * fooled.unwrap().error, "{off}");
+    for seed in 0..4 {
+        let (e, _) = of(&jumps, seed, &Stop::samples(100_000));
+        assert_eq!(chosen(&e).0, Method::Controlled);
+        assert!((e.mean - 0.23002).abs() < 6.0 * e.standard_error, "{e}");
+        assert!(e.standard_error < 1e-4, "{e}");
     }
+}
+
+/// What ends in the middle of a pass goes on with all that it had.
+#[test]
+fn goes_on_after_a_cancelled_pass() {
+    let case = Beyond {
+        a: 0.7,
+        c: 0.83,
+        power: 1,
+    };
+    let (cancel, calls) = (Cancel::default(), AtomicU64::new(0));
+    let f = |x: [f64; 2]| {
+        if calls.fetch_add(1, Ordering::Relaxed) == 30_000 {
+            cancel.cancel();
+        }
+        case.at(x)
+    };
+    let f: Plane<'_> = &f;
+    let estimator = Importance::new(f, UnitCube::<2>);
+    let mut automatic = Automatic::new(&estimator, 2, 3).unwrap();
+    let stop = Stop {
+        cancel: Some(cancel.clone()),
+        ..Stop::samples(1_000_000)
+    };
+    let first = run(&mut automatic, &Serial, &stop).unwrap();
+    assert_eq!(first.reason, Reason::Cancelled);
+    let e = run(&mut automatic, &Serial, &Stop::samples(1_000_000))
+        .unwrap()
+        .answer;
+    assert_eq!(chosen(&e), (Method::Controlled, Why::SmallestError));
+    assert!(e.standard_error < 5e-9, "{e}");
+    assert!(
+        (e.mean - case.exact()).abs() < 6.0 * e.standard_error,
+        "{e}"
+    );
 }
 
 /// At the nodes of the first box it is a polynomial, so cubature stops with an error of

@@ -54,8 +54,8 @@ pub enum Why {
     /// Every value of the pilot was 0: nothing was learned, and VEGAS+ began with points
     /// spread evenly. The integrand may be different from 0 where none of them fell.
     AllZero,
-    /// Polynomials in boxes, as a control variate, have shown that it is smooth, or rough
-    /// along axes only.
+    /// Polynomials in boxes, as a control variate, have shown that it is smooth, or has
+    /// kinks across axes only.
     Smooth,
     /// Values had to be set aside, which a control variate would have stood in for.
     SetAside,

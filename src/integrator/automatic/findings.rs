@@ -166,8 +166,8 @@ pub(super) const LONGEST_FIT: u64 = 1 << 22;
 /// Each time that there are so many times more than this, nets of such a part of them see
 /// what is left, in case that it is little enough.
 pub(super) const ROUNDS_OF_FIT: u64 = 4;
-pub(super) const SHORTEST_FIT: u64 = 1 << 12;
-pub(super) const PART_OF_FIT: u64 = 16;
+pub(super) const SHORTEST_FIT: u64 = 1 << 14;
+pub(super) const PART_OF_FIT: u64 = 12;
 /// What nets on what is left meet is at most so many times as large as nodes say that it is
 /// on average, but for rounding.
 pub(super) const OUTLIER: f64 = 30.0;

@@ -40,6 +40,8 @@ pub struct PassesPartial<V: Value, E, W, C> {
     whole: Option<W>,
     cuts: Vec<C>,
     evaluations: u64,
+    /// Whether a box could not be cut.
+    refused: bool,
     failure: Option<SampleError<V, E>>,
 }
 
@@ -47,6 +49,7 @@ impl<V: Value, E, W, C> Merge for PassesPartial<V, E, W, C> {
     fn merge(&mut self, right: Self) {
         self.cuts.extend(right.cuts);
         self.evaluations += right.evaluations;
+        self.refused |= right.refused;
         self.failure = self.failure.take().or(right.failure);
     }
 }
@@ -150,16 +153,20 @@ impl<'a, E: TryEstimator, P: Partition<Parts<E>>> Passes<'a, E, P> {
             nan.as_mut().fill(f64::NAN);
             nan
         };
-        let (mut whole, mut cuts) = (None, Vec::new());
+        let (mut whole, mut cuts, mut refused) = (None, Vec::new(), false);
         if self.partition.len() == 0 {
             whole = self.partition.whole(&mut g).ok();
+            refused = whole.is_none();
         } else {
             let from = index as usize * self.each;
             let to = (from + self.each).min(self.batch.len());
             for &region in &self.batch[from..to] {
                 match self.partition.cut_in_two(region, &mut g) {
                     Ok(cut) => cuts.push(cut),
-                    Err(_) => break,
+                    Err(_) => {
+                        refused = true;
+                        break;
+                    }
                 }
             }
         }
@@ -168,6 +175,7 @@ impl<'a, E: TryEstimator, P: Partition<Parts<E>>> Passes<'a, E, P> {
             whole,
             cuts,
             evaluations,
+            refused,
             failure,
         };
         if ended {
@@ -179,8 +187,7 @@ impl<'a, E: TryEstimator, P: Partition<Parts<E>>> Passes<'a, E, P> {
 
     pub(super) fn absorb(&mut self, pass: Block<E, P>) -> Result<(), Failed<E>> {
         let before = self.partition.evaluations();
-        let brought = pass.cuts.len() + usize::from(pass.whole.is_some());
-        self.stuck = brought < self.batch.len().max(1);
+        self.stuck |= pass.refused;
         if let Some(whole) = pass.whole {
             self.partition.begin(whole);
         }
