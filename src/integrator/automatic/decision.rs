@@ -26,6 +26,8 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         };
         let (strata, plain) = (size_of(Method::Strata), size_of(Method::Plain));
         let controlled = size_of(Method::Controlled);
+        let cubature = size_of(Method::Cubature);
+        let plane = if self.dimension == 2 { PLANE } else { 1.0 };
         let Shares {
             even,
             mapped,
@@ -72,8 +74,8 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
                 Method::Cubature if !vouched => f64::INFINITY,
                 Method::Cubature if settled => -1.0,
                 Method::Cubature => size * CUBATURE,
-                Method::Controlled if self.dimension == 2 => size * PLANE,
-                Method::Controlled => size,
+                // It will tell whether cubature is to be believed.
+                Method::Controlled => (size * plane).min(cubature),
             }
         };
         promises.sort_by(|a, b| of(a).total_cmp(&of(b)));
