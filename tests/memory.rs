@@ -253,8 +253,14 @@ fn memory_does_not_grow_on_threads() {
             })
         })
     };
-    let (few, many) = (of(100_000), of(10_000_000));
-    assert!(many.bytes_max < few.bytes_max + 100_000, "{few:?} {many:?}");
+    // Blocks also wait where the machine stops a thread for a while: what grows with their
+    // number grows every time.
+    let few = of(100_000).bytes_max;
+    let many = (0..10).map(|_| of(10_000_000).bytes_max).min();
+    assert!(
+        many.is_some_and(|many| many < few + 100_000),
+        "{few} {many:?}"
+    );
 }
 
 /// What the doc of `Vegas` says before a run. A tree of some fifty blocks holds at
