@@ -19,7 +19,8 @@ use crate::value::{Components, Value};
 /// [`LongNet`](super::LongNet). Cubature's own error is an estimate, by experience; this
 /// one is statistical, of samples that had no part in g, and the answer is unbiased.
 /// Moments and diagnosis are those of the residual, tolerances and the mean those of the
-/// whole. What the fit took counts as spent.
+/// whole. What the fit took counts as spent; errors number the samples of the residual
+/// alone.
 ///
 /// Most is won in one to three dimensions, at kinks and jumps that do not follow the axes.
 /// By 2¹⁷ evaluations (example `residual`, root mean squares of relative errors over 20

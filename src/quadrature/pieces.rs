@@ -172,6 +172,18 @@ impl<C: Components> Pieces<C> {
         Ok(())
     }
 
+    /// What the rule finds in all of them, and the error that it claims.
+    pub(crate) fn total(&self) -> (C, C) {
+        let mut sums = (C::ZERO, C::ZERO);
+        for piece in &self.pieces {
+            for k in 0..C::COUNT {
+                sums.0.as_mut()[k] += piece.found.value.as_ref()[k];
+                sums.1.as_mut()[k] += piece.found.error.as_ref()[k];
+            }
+        }
+        sums
+    }
+
     /// The same boxes, for cubature.
     pub(crate) fn regions(&self) -> Regions<C> {
         let bounds = self.pieces.iter().flat_map(|p| p.bounds.iter().copied());

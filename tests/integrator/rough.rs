@@ -12,11 +12,12 @@ use estimand::sampler::{Owen, Sobol};
 use estimand::verify;
 
 /// One type for all integrands: what takes time to compile is the integrator.
-type Plane<'a> = &'a (dyn Fn([f64; 2]) -> f64 + Sync);
+type Any<'a, const D: usize> = &'a (dyn Fn([f64; D]) -> f64 + Sync);
+type Plane<'a> = Any<'a, 2>;
 
-fn of(f: Plane<'_>, seed: u64, stop: &Stop) -> (AutomaticEstimate<f64>, u64) {
-    let estimator = Importance::new(f, UnitCube::<2>);
-    let mut automatic = Automatic::new(&estimator, 2, seed).unwrap();
+fn of<const D: usize>(f: Any<'_, D>, seed: u64, stop: &Stop) -> (AutomaticEstimate<f64>, u64) {
+    let estimator = Importance::new(f, UnitCube::<D>);
+    let mut automatic = Automatic::new(&estimator, D, seed).unwrap();
     let answer = run(&mut automatic, &Serial, stop).unwrap().answer;
     (answer, automatic.spent())
 }
@@ -265,25 +266,13 @@ fn what_only_nodes_take_for_a_polynomial_is_found_out() {
     let fooled = boxes.unwrap().refine(&once, 100_000).unwrap();
     assert!(fooled.converged && (fooled.value - exact).abs() > 1e-3);
     for seed in 0..3 {
-        let e = integrate_with(&saw, seed, 100_000);
+        let (e, _) = of(&saw, seed, &Stop::samples(100_000));
         assert_ne!(chosen(&e).0, Method::Cubature);
         assert!(
             (e.mean - exact).abs() < 6.0 * e.standard_error,
             "{e} {exact}"
         );
     }
-}
-
-fn integrate_with(
-    f: &(dyn Fn([f64; 3]) -> f64 + Sync),
-    seed: u64,
-    budget: u64,
-) -> AutomaticEstimate<f64> {
-    let estimator = Importance::new(f, UnitCube::<3>);
-    let mut automatic = Automatic::new(&estimator, 3, seed).unwrap();
-    run(&mut automatic, &Serial, &Stop::samples(budget))
-        .unwrap()
-        .answer
 }
 
 /// A constant, but for a disk of 0.3 % of the square between the nodes. Cubature stops at

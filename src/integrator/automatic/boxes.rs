@@ -118,8 +118,8 @@ impl<'a, E: TryEstimator> Boxes<'a, E> {
     ///
     /// Boxes claim more than their errors are, so the smaller of what the claims say
     /// ([`by_claims`]) and what the values say ([`by_values`]) is taken, but not less than
-    /// an eighth of what the claims say. Who is `wary`
-    /// takes the larger: boxes that have not met a pole know nothing of it.
+    /// an eighth of what the claims say. Who is `wary` takes the larger: boxes that have not
+    /// met a pole know nothing of it.
     pub(super) fn promise(&self, evaluations: u64, wary: bool) -> Option<Wide<E>> {
         if !self.passes.goes_on() {
             return None;

@@ -155,14 +155,16 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         };
         let fitted = fitting.passes.spent();
         self.before -= fitted;
+        // If it is smooth, for cubature to go on with.
+        let boxes = fitting.is_smooth().then(|| fitting.boxes());
         if !fitting.passes.goes_on() {
             // A polynomial would stand in for what was set aside.
             self.settle_for_nets(fitted);
-        } else if fitting.is_smooth() && self.pays(&fitting.boxes()) {
+        } else if let Some(boxes) = boxes.filter(|boxes| self.pays(boxes)) {
             if let Some(choice) = &mut self.choice {
                 (choice.method, choice.why) = (Method::Cubature, Why::Smooth);
             }
-            self.go(Stage::Answer, Engine::Boxes(fitting.boxes()), 0);
+            self.go(Stage::Answer, Engine::Boxes(boxes), 0);
         } else if allowed >= self.findings.most {
             match self.controlled(&fitting, Stage::Begin) {
                 Some(engine) => {

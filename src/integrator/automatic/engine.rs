@@ -9,7 +9,7 @@ use super::faces::{Probe, Probed};
 use super::fitting::Fitting;
 use super::mixed::Mixed;
 use super::mixture::Mixture;
-use super::passes::PassesPartial;
+use super::passes::{Failed, PassesPartial};
 use super::points::Points;
 use super::search::{Search, SearchPartial};
 use crate::estimate::{Estimate, Moments, Tolerance};
@@ -18,7 +18,7 @@ use crate::integrator::monte_carlo::MonteCarloPartial;
 use crate::integrator::randomized_qmc::RandomizedQmcPartial;
 use crate::integrator::vegas::SweepPartial;
 use crate::integrator::{
-    Integrator, Learning, LongNet, MonteCarlo, NonFinite, QuadratureControlled, SampleError, Vegas,
+    Integrator, Learning, LongNet, MonteCarlo, NonFinite, QuadratureControlled, Vegas,
 };
 use crate::merge::Merge;
 use crate::pdf::AdaptiveGrid;
@@ -83,7 +83,6 @@ impl<V: Value, E> Merge for AutomaticPartial<V, E> {
 /// What a block contributes, and whether the pass ends with it.
 type Flow<E> = ControlFlow<Partial<E>, Partial<E>>;
 type Partial<E> = AutomaticPartial<Wide<E>, <E as TryEstimator>::Error>;
-type Failed<E> = SampleError<Wide<E>, <E as TryEstimator>::Error>;
 
 impl<'a, E: TryEstimator> Engine<'a, E> {
     pub(super) fn plain(estimator: By<'a, E>, seed: u64) -> Self {

@@ -163,8 +163,8 @@ pub(super) const NOISE: f64 = 0.5;
 pub(super) const LEAST_FIT: f64 = 0.5;
 pub(super) const MOST_FIT: f64 = 0.8;
 pub(super) const LONGEST_FIT: u64 = 1 << 22;
-/// Each time that there are so many times more than this, nets of such a part of them see
-/// what is left, in case that it is little enough.
+/// Each time that the polynomials have had so many times more evaluations, from this many
+/// on, a net of this part of them looks at what is left: it may be little enough.
 pub(super) const ROUNDS_OF_FIT: u64 = 4;
 pub(super) const SHORTEST_FIT: u64 = 1 << 14;
 pub(super) const PART_OF_FIT: u64 = 12;

@@ -53,7 +53,7 @@ impl<'a, E: TryEstimator> Fitting<'a, E> {
         let pieces = &self.passes.partition;
         self.history
             .push((pieces.evaluations() as f64, pieces.left()));
-        let (value, error) = pieces.regions().total();
+        let (value, error) = pieces.total();
         self.told.push((pieces.evaluations(), value, error));
         result
     }
