@@ -242,6 +242,9 @@ fn no_path_allocates() {
 #[cfg(feature = "parallel")]
 #[test]
 fn memory_does_not_grow_on_threads() {
+    use estimand::merge::Merge;
+    use std::ops::ControlFlow;
+
     let of = |samples| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build();
         let pool = pool.unwrap();
@@ -261,6 +264,21 @@ fn memory_does_not_grow_on_threads() {
         many.is_some_and(|many| many < few + 100_000),
         "{few} {many:?}"
     );
+    // If all blocks of a pass waited, it would be found.
+    let kept = measure(|| {
+        let estimator = Importance::new(|[x, y]: [f64; 2]| x * y, UnitCube::<2>);
+        let mut integrator = MonteCarlo::new(estimator, Independent::new(1));
+        loop {
+            let blocks = integrator.plan(10_000_000 - integrator.spent());
+            let waiting: Vec<_> = (0..blocks).map(|index| integrator.block(index)).collect();
+            let mut each = waiting.into_iter().filter_map(ControlFlow::continue_value);
+            let Some(mut pass) = each.next() else { break };
+            each.for_each(|next| pass.merge(next));
+            integrator.absorb(pass, blocks).unwrap();
+        }
+        assert_eq!(integrator.spent(), 10_000_000);
+    });
+    assert!(kept.bytes_max > few + 100_000, "{few} {kept:?}");
 }
 
 /// What the doc of `Vegas` says before a run. A tree of some fifty blocks holds at
