@@ -167,6 +167,45 @@ proptest! {
     }
 }
 
+/// Triangles of all shapes, most of them far longer than high, and where their
+/// corners are.
+fn slivers() -> impl Strategy<Value = (Triangle, [DVec3; 3])> {
+    let along = (coordinate(), 0.0..13.0_f64, vector());
+    (vector(), vector(), along, 0..3_usize).prop_filter_map(
+        "no area",
+        |(at, long, (s, thin, off), first)| {
+            let mut corners = [at, at + long, at + long * s + off * 10_f64.powf(-thin)];
+            corners.rotate_left(first);
+            let [a, b, c] = corners;
+            Some((Triangle::new(a, b, c).ok()?, corners))
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 20_000, failure_persistence: None, max_local_rejects: 400_000, ..ProptestConfig::default() })]
+
+    /// However long and thin a triangle is, its edges belong to it, and what is
+    /// outside by twice the rounding doesn't.
+    #[test]
+    fn triangles_end_at_their_edges((triangle, corners) in slivers(), t in coordinate(), up in vector()) {
+        let shape = Shape::from(triangle);
+        let normal = shape.sample([0.5, 0.5]).point.normal;
+        let error = shape.sample([0.5, 0.5]).point.error;
+        for k in 0..3 {
+            let (p, q) = (corners[k], corners[(k + 1) % 3]);
+            let on = SurfacePoint { position: p + (q - p) * t, normal, error };
+            prop_assert!(shape.density(&on) > 0.0, "{:?} {:?}", corners, on);
+            let outwards = (q - p).cross(normal).normalize();
+            let beyond = SurfacePoint { position: on.position + outwards * 2.0 * error, ..on };
+            prop_assert_eq!(shape.density(&beyond), 0.0, "{:?} {:?}", corners, beyond);
+            let up = (up + normal * 0.1_f64.copysign(normal.dot(up))).normalize();
+            let at = |x: SurfacePoint| Ray { origin: x.position + up * diameter(&shape), direction: -up };
+            prop_assert!(shape.intersect(&at(on), INF).is_some(), "{:?} {:?} {:?}", corners, on, up);
+        }
+    }
+}
+
 fn diameter(shape: &Shape) -> f64 {
     shape.area().sqrt()
 }

@@ -47,6 +47,11 @@ fn cross(u: DVec3, v: DVec3) -> DVec3 {
     )
 }
 
+/// The vectors of the plane whose products with u and v are 1 and 0, 0 and 1.
+fn dual([u, v]: [DVec3; 2], normal: DVec3, area: f64) -> [DVec3; 2] {
+    [v.cross(normal) / area, normal.cross(u) / area]
+}
+
 impl Facet {
     /// The parallelogram with these edges.
     pub(super) fn parallelogram(
@@ -55,8 +60,9 @@ impl Facet {
         edge_v: DVec3,
     ) -> Result<Self, ShapeError> {
         let facet = Self::new(corner, edge_u, edge_v)?;
-        let [u, v] = [facet.dual_u, facet.dual_v].map(|dual| facet.error * dual.length());
-        Ok(facet.widened([u, v], [u, v]))
+        Ok(facet.met_from(corner, [edge_u, edge_v], |a, b| {
+            [1.0 + 2.0 * a, 1.0 + 2.0 * b]
+        }))
     }
 
     /// The half of the parallelogram at its corner.
@@ -66,18 +72,38 @@ impl Facet {
         edge_v: DVec3,
     ) -> Result<Self, ShapeError> {
         let facet = Self::new(corner, edge_u, edge_v)?;
-        let third = facet.dual_u + facet.dual_v;
-        let [u, v, w] = [facet.dual_u, facet.dual_v, third].map(|d| facet.error * d.length());
-        Ok(facet.widened([u, v], [v + w, u + w]))
+        // Met from the corner across its longest edge. From the tip of a
+        // sliver, a and b are so large, with opposite signs, that rounding
+        // moves a + b = 1, the edge across, by far more than `error`.
+        let edge_w = edge_v - edge_u;
+        let [u, v, w] = [edge_u, edge_v, edge_w].map(DVec3::length_squared);
+        let (from, edges, across) = if w >= u.max(v) {
+            (corner, [edge_u, edge_v], edge_w)
+        } else if u >= v {
+            (corner + edge_v, [-edge_v, -edge_w], edge_u)
+        } else {
+            (corner + edge_u, [edge_w, -edge_u], edge_v)
+        };
+        let c = facet.error * (across / facet.area).length();
+        Ok(facet.met_from(from, edges, |a, b| [1.0 + a + b + c; 2]))
     }
 
-    /// With the near edges moved out by these parts of u and v, the far corners
-    /// by those.
-    fn widened(self, [a, b]: [f64; 2], [far_a, far_b]: [f64; 2]) -> Self {
+    /// With what rays meet told from this corner by these edges, which are moved
+    /// outwards by the parts a of u and b of v; u and v get as much longer as
+    /// `longer` says.
+    fn met_from(
+        self,
+        corner: DVec3,
+        [u, v]: [DVec3; 2],
+        longer: impl Fn(f64, f64) -> [f64; 2],
+    ) -> Self {
+        let [dual_u, dual_v] = dual([u, v], self.normal, self.area);
+        let [a, b] = [dual_u, dual_v].map(|dual| self.error * dual.length());
+        let [longer_u, longer_v] = longer(a, b);
         Self {
-            outer: self.corner - (self.edge_u * a + self.edge_v * b),
-            dual_u: self.dual_u / (1.0 + a + far_a),
-            dual_v: self.dual_v / (1.0 + b + far_b),
+            outer: corner - (u * a + v * b),
+            dual_u: dual_u / longer_u,
+            dual_v: dual_v / longer_v,
             ..self
         }
     }
@@ -98,13 +124,14 @@ impl Facet {
             return Err(ShapeError::Degenerate(edge_u, edge_v));
         }
         let normal = cross / area;
+        let [dual_u, dual_v] = dual([edge_u, edge_v], normal, area);
         Ok(Self {
             corner,
             edge_u,
             edge_v,
             outer: corner,
-            dual_u: edge_v.cross(normal) / area,
-            dual_v: normal.cross(edge_u) / area,
+            dual_u,
+            dual_v,
             normal,
             area,
             error,
