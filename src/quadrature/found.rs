@@ -15,6 +15,9 @@ pub(crate) struct Found<C> {
     pub(super) room: bool,
     /// Whether nothing but rounding is left of the error of each component.
     pub(super) settled: bool,
+    /// Of an interval: g at its centre, and at its ends, NaN where it is not known.
+    pub(super) middle: C,
+    pub(super) ends: [C; 2],
 }
 
 impl<C: Components> Found<C> {
@@ -25,7 +28,15 @@ impl<C: Components> Found<C> {
             axis,
             room,
             settled: true,
+            middle: C::ZERO,
+            ends: [unknown(); 2],
         }
+    }
+
+    /// What is known at the ends of the two halves of an interval.
+    pub(super) const fn ends_of_halves(&self) -> [[C; 2]; 2] {
+        let [lower, upper] = self.ends;
+        [[lower, self.middle], [self.middle, upper]]
     }
 
     /// Sets component k from mean, error and rounding error per unit of volume.
@@ -42,13 +53,20 @@ impl<C: Components> Found<C> {
     }
 }
 
+pub(super) fn unknown<C: Components>() -> C {
+    let mut nan = C::ZERO;
+    nan.as_mut().fill(f64::NAN);
+    nan
+}
+
 /// The rounding error of a sum whose terms have absolute values of this sum.
 pub(super) fn rounding(size: f64) -> f64 {
     8.0 * f64::EPSILON * size
 }
 
 /// Whether a side may be halved, with all nodes of the halves apart from their
-/// ends: `gap` is how far the outermost is from the end, as a share of `half`.
+/// ends, and from 0: `gap` is how far the outermost is from the end, as a share of
+/// `half`.
 pub(super) fn has_room(centre: f64, half: f64, gap: f64) -> bool {
-    half * gap > 4.0 * f64::EPSILON * centre
+    half * gap > (4.0 * f64::EPSILON * centre).max(f64::MIN_POSITIVE)
 }

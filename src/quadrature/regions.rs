@@ -3,7 +3,7 @@
 use core::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use super::found::Found;
+use super::found::{Found, unknown};
 use super::kronrod;
 use super::partition::{NotFinite, Partition};
 use super::symmetric::{Degree, MOST_AXES, Symmetric};
@@ -40,7 +40,7 @@ impl BoxRule {
     pub(super) fn nodes(&self, dimensions: usize) -> (Vec<f64>, Vec<f64>) {
         let bounds = [vec![0.0; dimensions], vec![1.0; dimensions]].concat();
         let mut nodes = Vec::new();
-        self.apply(&bounds, &[1.0], &mut |x| {
+        self.apply(&bounds, [unknown(); 2], &[1.0], &mut |x| {
             nodes.extend_from_slice(x);
             [0.0]
         });
@@ -51,16 +51,18 @@ impl BoxRule {
         (nodes, weights)
     }
 
-    /// `bounds` holds the centre and then half the sides.
+    /// `bounds` holds the centre and then half the sides; `ends`, what is known at the ends
+    /// of an interval.
     pub(super) fn apply<C: Components>(
         &self,
         bounds: &[f64],
+        ends: [C; 2],
         weights: &C,
         g: &mut impl FnMut(&[f64]) -> C,
     ) -> Found<C> {
         let (centre, half) = bounds.split_at(bounds.len() / 2);
         match self {
-            Self::Kronrod => kronrod::apply(centre[0], half[0], g),
+            Self::Kronrod => kronrod::apply(centre[0], half[0], ends, g),
             Self::Symmetric(rule) => rule.apply(centre, half, weights, g),
         }
     }
@@ -122,6 +124,8 @@ pub(crate) struct Regions<C> {
     /// What an error in each component weighs, for this tolerance.
     weights: C,
     tolerance: Option<Tolerance>,
+    /// What the largest boxes are worth cutting for, where nothing else is.
+    evenly: u64,
 }
 
 /// The two halves of a box.
@@ -192,6 +196,16 @@ impl<C: Components> Regions<C> {
             error: C::ZERO,
             weights,
             tolerance: None,
+            evenly: 0,
+        }
+    }
+
+    /// Boxes with nothing but rounding left are cut all the same, the largest first, until
+    /// there were so many evaluations: what lies between few nodes is not seen.
+    pub(crate) fn evenly(self, evaluations: u64) -> Self {
+        Self {
+            evenly: evaluations,
+            ..self
         }
     }
 
@@ -371,13 +385,21 @@ impl<C: Components> Partition<C> for Regions<C> {
             let found = &self.found[*region];
             found.room && !found.settled
         };
-        let ranks = (0..self.found.len()).filter(open).map(rank);
-        Rank::worst(ranks.collect(), share, most)
+        let mut ranks: Vec<_> = (0..self.found.len()).filter(open).map(rank).collect();
+        if ranks.is_empty() && self.evaluations + 2 * self.rule.cost() <= self.evenly {
+            let even = |region| Rank {
+                error: 0.0,
+                ..rank(region)
+            };
+            let room = |region: &usize| self.found[*region].room;
+            ranks = (0..self.found.len()).filter(room).map(even).collect();
+        }
+        Rank::worst(ranks, share, most)
     }
 
     fn whole(&self, g: &mut impl FnMut(&[f64]) -> C) -> Result<Found<C>, NotFinite> {
         let bounds = vec![0.5; 2 * self.dimensions];
-        let whole = self.rule.apply(&bounds, &self.weights, g);
+        let whole = self.rule.apply(&bounds, [unknown(); 2], &self.weights, g);
         whole.is_finite().then_some(whole).ok_or(NotFinite)
     }
 
@@ -403,8 +425,11 @@ impl<C: Components> Partition<C> for Regions<C> {
         let shift = bounds[0][n + whole.axis];
         bounds[0][whole.axis] -= shift;
         bounds[1][whole.axis] += shift;
-        let apply = |half: &[f64; 2 * MOST_AXES]| self.rule.apply(&half[..2 * n], &self.weights, g);
-        let mut halves = bounds.each_ref().map(apply);
+        let [lower, upper] = whole.ends_of_halves();
+        let mut apply = |half: &[f64; 2 * MOST_AXES], ends: [C; 2]| {
+            self.rule.apply(&half[..2 * n], ends, &self.weights, g)
+        };
+        let mut halves = [apply(&bounds[0], lower), apply(&bounds[1], upper)];
         if !halves.iter().all(Found::is_finite) {
             return Err(NotFinite);
         }

@@ -10,6 +10,7 @@ mod control_variates;
 mod cubature;
 mod diagnosis;
 mod events;
+mod line;
 mod median;
 mod multiple_importance;
 mod numerics;

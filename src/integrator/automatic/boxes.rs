@@ -103,10 +103,16 @@ fn by_values(told: &[(f64, f64, f64)], evaluations: f64, smooth: f64) -> Option<
 }
 
 impl<'a, E: TryEstimator> Boxes<'a, E> {
-    /// `None` in too many dimensions.
-    pub(super) fn new(estimator: By<'a, E>, dimension: usize, degree: Degree) -> Option<Self> {
+    /// With so many evaluations where one is as good as another; `None` in too many
+    /// dimensions.
+    pub(super) fn new(
+        estimator: By<'a, E>,
+        dimension: usize,
+        degree: Degree,
+        evenly: u64,
+    ) -> Option<Self> {
         let rule = BoxRule::new(dimension, degree)?;
-        let regions = Regions::new(rule, dimension);
+        let regions = Regions::new(rule, dimension).evenly(evenly);
         Some(Self {
             passes: Passes::new(estimator, regions),
             history: Vec::new(),

@@ -20,7 +20,11 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         let allowance = self.part_of_pilot(FIT);
         let fitting = Fitting::new(self.estimator.clone(), self.dimension)
             .filter(|_| self.dimension <= MOST_CONTROLLED)
-            .filter(|fitting| fitting.passes.smallest_pass() * FEW <= allowance);
+            .filter(|fitting| {
+                // What is settled, a fit has to be found for all the same.
+                let fewest = if self.is_settled() { 1 } else { FEW };
+                fitting.passes.smallest_pass() * fewest <= allowance
+            });
         match fitting {
             Some(fitting) => {
                 self.go(Stage::Fit, Engine::Fitting(Box::new(fitting)), allowance);
@@ -75,12 +79,15 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             // Of what polynomials are said to leave nothing of, nets have nothing to tell.
             let told = left.filter(|_| fitting.passes.partition.left() > 0.0);
             let error = told.map(|left| self.promise_of_controlled(&left, fitted, spent));
-            self.findings.uneven = left.is_some_and(|left| self.is_uneven(fitting, &left));
+            // On a line, what is left is all in a few intervals, unless nothing is.
+            let telling = self.dimension > 1 || fitting.passes.is_settled() && self.is_settled();
+            let uneven = |left| telling && self.is_uneven(fitting, &left);
+            self.findings.uneven = left.is_some_and(uneven);
             if let Some(error) = error {
                 self.promise(Method::Controlled, error);
             }
         }
-        if self.findings.uneven && self.dimension > 1 {
+        if self.findings.uneven {
             self.findings.boxes = None;
             self.findings.clear = false;
             self.findings

@@ -235,7 +235,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         }
         let degrees = [(Degree::Nine, MANY), (Degree::Seven, FEW)];
         let boxes = degrees.into_iter().find_map(|(degree, fewest)| {
-            let boxes = Boxes::new(self.estimator.clone(), self.dimension, degree)?;
+            let boxes = Boxes::new(self.estimator.clone(), self.dimension, degree, allowance)?;
             let cost = boxes.passes.smallest_pass();
             (cost <= allowance && cost * fewest <= self.findings.budget).then_some(boxes)
         });
