@@ -12,7 +12,9 @@
 //! seen, and no count of evaluations tells.
 
 mod adaptive;
+mod beyond;
 mod composite;
+mod degree;
 mod error;
 mod found;
 mod kronrod;
@@ -28,6 +30,7 @@ mod tensor;
 
 pub use adaptive::{Adaptive, Cubature, Region, adaptive};
 pub use composite::{Quadrature, composite, halving, primary_estimates};
+pub use degree::Degree;
 pub use error::QuadratureError;
 pub(crate) use found::Found;
 pub(crate) use partition::Partition;
@@ -36,5 +39,5 @@ pub use piecewise::PiecewisePolynomial;
 pub(crate) use projection::MOST_FITTED;
 pub(crate) use regions::{BoxRule, Cut, Regions};
 pub use rule::{Node, Rule, RuleError};
-pub use symmetric::Degree;
+
 pub use tensor::tensor;

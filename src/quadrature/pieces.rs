@@ -2,11 +2,11 @@
 
 use std::collections::BinaryHeap;
 
+use super::degree::Degree;
 use super::found::{Found, unknown};
 use super::partition::{NotFinite, Partition};
 use super::projection::Projection;
 use super::regions::{BoxRule, Rank, Regions};
-use super::symmetric::Degree;
 use crate::value::Components;
 
 /// A box, and the polynomial in it.
@@ -60,7 +60,7 @@ pub(crate) struct Pieces<C> {
 
 /// A half is taken to have at least this part of what was left in the whole: nodes may
 /// all lie on one side of a jump that goes through it.
-const UNSEEN: f64 = 0.16;
+const UNSEEN: f64 = 0.12;
 
 /// Polynomials leave more than this part of f's upper degrees where f is rough; boxes where
 /// less than this part of the most is left do not count.
@@ -217,7 +217,9 @@ impl<C: Components> Pieces<C> {
             values.push(value);
             value
         });
-        let (coefficients, [left, mut size, upper]) = self.projection.fit(&values);
+        let (centre, half) = bounds.split_at(self.dimensions);
+        let faces = (centre.iter().zip(half)).flat_map(|(c, h)| [c - h == 0.0, c + h == 1.0]);
+        let (coefficients, [left, mut size, upper]) = self.projection.fit(&values, faces);
         let scales = if self.pieces.is_empty() {
             scales(&size)
         } else {
@@ -231,7 +233,6 @@ impl<C: Components> Pieces<C> {
         if !(found.is_finite() && left.is_finite() && whole.is_finite()) {
             return Err(NotFinite);
         }
-        let half = &bounds[bounds.len() / 2..];
         let volume: f64 = half.iter().map(|h| 2.0 * h).product();
         for size in size.as_mut() {
             *size = volume * size.sqrt();

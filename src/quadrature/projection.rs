@@ -1,7 +1,8 @@
 //! The polynomial that the values at a rule's nodes determine.
 
+use super::degree::Degree;
 use super::regions::BoxRule;
-use super::symmetric::Degree;
+use super::symmetric::NEAR_FACE;
 use crate::value::Components;
 
 /// The projection onto polynomials of degree d over [−1, 1]ⁿ, its integrals taken by a
@@ -21,10 +22,12 @@ use crate::value::Components;
 pub(super) struct Projection {
     /// All but the first, which is 1.
     terms: Vec<Term>,
-    /// |wⱼ|, over their sum.
+    /// |wⱼ|, or what an end of an axis stands for, over their sum.
     shares: Vec<f64>,
     /// π_α(tⱼ), node after node.
     products: Vec<f64>,
+    /// The same at the ends of the axes, where these are near a face of the cube.
+    near_faces: Vec<f64>,
     /// wⱼ π_α(tⱼ)/‖π_α‖², node after node.
     weights: Vec<f64>,
     /// ‖π_α‖² of those of the upper half of the degrees, 0 of the others.
@@ -40,6 +43,10 @@ const FEW_TERMS: usize = 35;
 const SOME_TERMS: usize = 126;
 /// Degree four has no more terms than degree three in ten dimensions.
 const MOST_TERMS: usize = 286;
+
+/// What an end of an axis counts for, where the rule has no weight: enough for a jump past
+/// the nodes to show.
+const END: f64 = 0.005;
 
 /// πₘ₊₁ = t πₘ − βₘ πₘ₋₁ with βₘ = m²/(4m² − 1), and ‖πₘ‖² = β₁ β₂ … βₘ.
 const BETA: [f64; LINE + 1] = {
@@ -109,11 +116,16 @@ impl Projection {
         extend(&mut terms, &mut norms, 0, (0, n), degree);
         let (nodes, rule) = rule.nodes(n);
         let (mut at_nodes, mut weights) = (Vec::new(), Vec::new());
-        let mut at_node = vec![0.0; norms.len()];
+        let (mut at_node, mut near_faces) = (vec![0.0; norms.len()], Vec::new());
         for (t, w) in nodes.chunks(n).zip(&rule) {
             products(&terms, t, &mut at_node);
             weights.extend(at_node.iter().zip(&norms).map(|(p, norm)| w * p / norm));
             at_nodes.extend_from_slice(&at_node);
+            if *w == 0.0 {
+                let near: Vec<_> = t.iter().map(|t| NEAR_FACE * t).collect();
+                products(&terms, &near, &mut at_node);
+                near_faces.extend_from_slice(&at_node);
+            }
         }
         let mut degrees = vec![0; norms.len()];
         for (number, term) in (1..).zip(&terms) {
@@ -121,11 +133,13 @@ impl Projection {
         }
         let upper =
             (norms.iter().zip(degrees)).map(|(norm, d)| if 2 * d > degree { *norm } else { 0.0 });
-        let size: f64 = rule.iter().map(|w| w.abs()).sum();
+        let shares = || rule.iter().map(|w| if *w == 0.0 { END } else { w.abs() });
+        let size: f64 = shares().sum();
         Self {
             terms,
-            shares: rule.iter().map(|w| w.abs() / size).collect(),
+            shares: shares().map(|share| share / size).collect(),
             products: at_nodes,
+            near_faces,
             weights,
             upper: upper.collect(),
         }
@@ -138,7 +152,13 @@ impl Projection {
 
     /// The coefficients, those of a term side by side, and the mean squares of f − g and
     /// of f at the nodes, where f has these values; and of the upper half of g's degrees.
-    pub(super) fn fit<C: Components>(&self, values: &[C]) -> (Vec<f64>, [C; 3]) {
+    ///
+    /// Of which ends of which axes are on a face of the cube, `faces` tells, two for each.
+    pub(super) fn fit<C: Components>(
+        &self,
+        values: &[C],
+        faces: impl Iterator<Item = bool> + Clone,
+    ) -> (Vec<f64>, [C; 3]) {
         let terms = self.terms();
         let mut coefficients = vec![0.0; terms * C::COUNT];
         let (mut left, mut whole, mut upper) = (C::ZERO, C::ZERO, C::ZERO);
@@ -150,7 +170,16 @@ impl Projection {
                 c.iter_mut().zip(weights).for_each(|(c, w)| *c += w * f);
             }
             let nodes = self.products.chunks(terms).zip(&self.shares);
-            for (value, (products, share)) in values.iter().zip(nodes) {
+            let mut ends = self.near_faces.chunks(terms).zip(faces.clone());
+            for ((value, (products, share)), w) in values
+                .iter()
+                .zip(nodes)
+                .zip(self.weights.iter().step_by(terms))
+            {
+                let products = match (*w == 0.0).then(|| ends.next()).flatten() {
+                    Some((near, true)) => near,
+                    _ => products,
+                };
                 let f = value.as_ref()[k];
                 let g: f64 = products.iter().zip(&c).map(|(p, c)| p * c).sum();
                 left.as_mut()[k] += share * (f - g) * (f - g);
@@ -233,7 +262,8 @@ mod tests {
             let values: Vec<[f64; 2]> = (rule.nodes(n).0.chunks(n))
                 .map(|t| projection.at(t, &given))
                 .collect();
-            let (found, [left, whole, _]) = projection.fit(&values);
+            let inside = core::iter::repeat(false);
+            let (found, [left, whole, _]) = projection.fit(&values, inside);
             for k in 0..2 {
                 assert!(left[k] < 1e-24 * whole[k], "{n} {} {}", left[k], whole[k]);
             }
@@ -252,7 +282,7 @@ mod tests {
             let power = degree(n, &projection) as i32 + 1;
             let nodes = rule.nodes(n).0;
             let values: Vec<[f64; 1]> = nodes.chunks(n).map(|t| [t[0].powi(power)]).collect();
-            let (_, [[left], [whole], _]) = projection.fit(&values);
+            let (_, [[left], [whole], _]) = projection.fit(&values, core::iter::repeat(false));
             assert!(left > 1e-10 * whole, "{n} {left} {whole}");
         }
     }

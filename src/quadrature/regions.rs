@@ -3,10 +3,11 @@
 use core::cmp::Ordering;
 use std::collections::BinaryHeap;
 
+use super::degree::Degree;
 use super::found::{Found, unknown};
 use super::kronrod;
 use super::partition::{NotFinite, Partition};
-use super::symmetric::{Degree, MOST_AXES, Symmetric};
+use super::symmetric::{MOST_AXES, Symmetric};
 use crate::estimate::Tolerance;
 use crate::value::Components;
 
@@ -38,10 +39,11 @@ impl BoxRule {
     /// The coordinates of its nodes on [−1, 1]ⁿ, in the order in which they are
     /// evaluated, and their weights, which sum to 1.
     pub(super) fn nodes(&self, dimensions: usize) -> (Vec<f64>, Vec<f64>) {
-        let bounds = [vec![0.0; dimensions], vec![1.0; dimensions]].concat();
+        // In the midst of the cube: no face is near.
+        let bounds = [vec![0.5; dimensions], vec![0.25; dimensions]].concat();
         let mut nodes = Vec::new();
         self.apply(&bounds, [unknown(); 2], &[1.0], &mut |x| {
-            nodes.extend_from_slice(x);
+            nodes.extend(x.iter().map(|x| 4.0 * x - 2.0));
             [0.0]
         });
         let weights = match self {

@@ -67,7 +67,7 @@ const RUNS: u64 = 2_000;
 #[test]
 fn unbiased_and_covered() {
     for (f, right) in functions() {
-        let g = PiecewisePolynomial::fit(f, 2, Degree::Seven, 17 * 31).unwrap();
+        let g = PiecewisePolynomial::fit(f, 2, Degree::Seven, 21 * 31).unwrap();
         let estimates: Vec<_> = (0..RUNS).map(|seed| plain(&f, &g, (seed, 400))).collect();
         let means: Vec<f64> = estimates.iter().map(|e| e.mean).collect();
         let wrong = 0.99 * right;

@@ -90,7 +90,7 @@ impl<'a, E: TryEstimator> Fitting<'a, E> {
     pub(super) fn is_smooth(&self) -> bool {
         let pieces = &self.passes.partition;
         let (span, widest) = pieces.rough_span();
-        let across_axes = span < SPAN && span <= MANY * widest && pieces.rough_level() < JUMP;
+        let across_axes = span < SPAN && span <= MANY * widest;
         self.passes.goes_on() && (across_axes || pieces.rough_share() < SHARE)
     }
 }
