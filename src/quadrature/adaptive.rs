@@ -63,7 +63,9 @@ pub fn adaptive<P: Pdf, V: Value>(
 /// Kronrod with 21 nodes, exact up to degree 31 ([`Degree`] does not matter), and what is
 /// known at the cuts is held against it, so that no jump hides past the last node; in
 /// 2 to 15, a fully symmetric rule of [`Degree`], and the box is cut along the
-/// axis with the largest fourth difference. All nodes are inside the domain.
+/// axis with the largest fourth difference. Where its axes meet its faces, what the nodes
+/// say is held against g: a jump or a kink across an axis hides nowhere. All nodes are
+/// inside the domain.
 ///
 /// # Example
 ///
@@ -93,10 +95,11 @@ pub fn adaptive<P: Pdf, V: Value>(
 /// families it is too large by a factor of some 40 (degree nine) or 200 (degree
 /// seven), less at kinks and jumps, and too small where the first dozen boxes
 /// are still too large to tell. A peak that lies between the nodes of the first
-/// boxes is not seen, nor is the part of a kink off the axes that cuts a corner between
-/// the nodes of a box: with g straight on both sides of one, the error was 3 times that
-/// claimed in two dimensions (degree seven, 50,000 evaluations). Where g is 0 at every
-/// node, boxes are cut evenly: no relative tolerance is met by 0 ± 0.
+/// boxes is not seen, nor a jump within a two-thousandth of the first boxes from a face of
+/// the domain, nor the part of a kink off the axes that cuts a corner between the nodes of
+/// a box: of 100 such kinks in two dimensions, 7 had errors above those claimed after
+/// 40,000 evaluations (degree seven), by up to 14 times, and 51 after 300,000. Where g is 0
+/// at every node, boxes are cut evenly: no relative tolerance is met by 0 ± 0.
 ///
 /// Boxes are not cut beyond what a double resolves, which is finest at u = 0:
 /// poles belong there, or into the pdf.

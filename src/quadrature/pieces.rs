@@ -114,14 +114,6 @@ impl<C: Components> Pieces<C> {
         if all > 0.0 { rough / all } else { 0.0 }
     }
 
-    /// How rough boxes are where f is rough, on average: more than half of f's upper degrees
-    /// is left at a jump, a third at a kink.
-    pub(crate) fn rough_level(&self) -> f64 {
-        let rough = || self.pieces.iter().filter(|p| p.rough > ROUGH);
-        let sum: f64 = rough().map(|p| p.seen * p.rough).sum();
-        sum / rough().map(|p| p.seen).sum::<f64>().max(f64::MIN_POSITIVE)
-    }
-
     /// What part of the axes the boxes take where f is rough, each on the axis that it
     /// would be cut along, summed; and the most that one of them takes. Where f is rough
     /// across axes only, both are nearly nothing, and nearly the same.

@@ -243,7 +243,7 @@ fn any_pdf_is_a_domain() {
         f,
         ([pole(), pole()], Interval::unit()),
         &relative(1e-12),
-        77,
+        83,
     )
     .unwrap();
     assert!(found.converged && (found.value - 2.0).abs() < 1e-12);
@@ -288,8 +288,8 @@ fn a_narrow_peak_between_all_nodes_is_not_seen() {
 }
 
 /// Nor is a kink off the axes, where it reaches into a corner that no node is in, of a
-/// box that looks smooth. With f straight on both sides, nothing else makes up for it: the
-/// error is 2.8 times that claimed, and does not fall any more.
+/// box that looks smooth. With f straight on both sides, nothing else makes up for it: from
+/// some budget on, the error does not fall any more, and what is claimed does.
 #[test]
 fn a_kink_in_corners_between_all_nodes_is_not_seen() {
     let (a, b) = (0.83, 1.37);
@@ -304,10 +304,48 @@ fn a_kink_in_corners_between_all_nodes_is_not_seen() {
         ((found.value - exact).abs(), found.error)
     };
     let (first, claimed) = off(50_000);
-    assert!((2.0..4.0).contains(&(first / claimed)), "{first} {claimed}");
+    assert!(first < claimed, "{first} {claimed}");
     let (last, claimed_then) = off(500_000);
-    assert!(claimed_then < 0.1 * claimed, "{claimed_then} {claimed}");
-    assert!(last > 0.5 * first, "{last} {first}");
+    assert!(claimed_then < 0.02 * claimed, "{claimed_then} {claimed}");
+    assert!(
+        last > 0.5 * first && last > 5.0 * claimed_then,
+        "{last} {first}"
+    );
+}
+
+/// Jumps across the axes are met by what the nodes say of the faces, though they lie past
+/// all nodes of one box or another: 200 quadrants. So are kinks, once boxes are small. Not so
+/// within a two-thousandth of a face of the first box.
+#[test]
+fn what_lies_across_axes_is_not_lost() {
+    let off = |f: &dyn Fn([f64; 2]) -> f64, exact: f64, degree, tolerance| {
+        let mut boxes = Adaptive::new(f, UnitCube::<2>, degree).unwrap();
+        let found = boxes.refine(&relative(tolerance), 40_000).unwrap();
+        (found.value - exact).abs() / found.error
+    };
+    let golden = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
+    for k in 1..=200 {
+        let u = golden.map(|g| 0.001 + 0.998 * (f64::from(k) * g).fract());
+        let jump = |[x, y]: [f64; 2]| f64::from(x < u[0] && y < u[1]);
+        for (degree, tolerance) in DEGREES
+            .into_iter()
+            .flat_map(|d| [1e-2, 1e-5, 1e-12].map(|t| (d, t)))
+        {
+            let off = off(&jump, u[0] * u[1], degree, tolerance);
+            assert!(off <= 1.0, "{u:?} {degree:?} {tolerance} {off}");
+        }
+        let kink = |[x, y]: [f64; 2]| (x - u[0]).abs() + (y - u[1]).abs();
+        let exact: f64 = u
+            .iter()
+            .map(|u| 0.5 * (u * u + (1.0 - u) * (1.0 - u)))
+            .sum();
+        for tolerance in [1e-5, 1e-12] {
+            let off = off(&kink, exact, Degree::Seven, tolerance);
+            assert!(off <= 1.0, "{u:?} {tolerance} {off}");
+        }
+    }
+    let near = |[x, _]: [f64; 2]| f64::from(x < 0.9999);
+    assert!(off(&near, 0.9999, Degree::Seven, 1e-2) > 1e3);
 }
 
 /// A region costs room in three lists and no allocation of its own.

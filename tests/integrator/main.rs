@@ -10,7 +10,8 @@ mod control_variates;
 mod cubature;
 mod diagnosis;
 mod events;
-mod line;
+
+mod jumps;
 mod median;
 mod multiple_importance;
 mod numerics;

@@ -103,8 +103,9 @@ fn bars_cover_off_the_axes_where_those_of_cubature_do_not() {
     let cubature = |case: &Beyond, _| {
         let f = |x: [f64; 2]| case.at(x);
         let mut boxes = Adaptive::new(f, UnitCube::<2>, Degree::Seven).ok()?;
+        // What it claims falls faster than its error.
         let found = boxes
-            .refine(&Tolerance::relative(1e-15).ok()?, BUDGET)
+            .refine(&Tolerance::relative(1e-15).ok()?, 5 * BUDGET)
             .ok()?;
         let (e, _) = of(&f, 0, &Stop::samples(200));
         let (mean, standard_error) = (found.value, 0.5 * found.error);
@@ -187,25 +188,20 @@ fn a_step_that_is_smooth_is_left_to_cubature() {
     assert_eq!(chosen(&e), (Method::Controlled, Why::SmallestError));
 }
 
-/// A kink is nearly nothing next to where it is; a jump is not, and may lie between the
-/// outermost nodes and the end of a box, as one does here for rules of degree seven.
+/// Nodes tell where they are, and what is left of them is next to nothing.
 #[test]
-fn across_axes_cubature_is_believed_of_kinks() {
+fn across_axes_cubature_is_believed_of_kinks_and_jumps() {
     let kinks = |[x, y]: [f64; 2]| (x - 0.37).abs() + (y - 0.613).abs();
     let squares = 0.37_f64.powi(2) + 0.63_f64.powi(2) + 0.613_f64.powi(2) + 0.387_f64.powi(2);
-    let (e, _) = of(&kinks, 1, &Stop::samples(100_000));
-    assert_eq!(chosen(&e).0, Method::Cubature);
-    assert!((e.mean - 0.5 * squares).abs() < 1e-12, "{e}");
     let jumps = |[x, y]: [f64; 2]| f64::from(x < 0.371 && y < 0.62);
-    let mut boxes = Adaptive::new(jumps, UnitCube::<2>, Degree::Seven).unwrap();
-    let fooled = boxes.refine(&Tolerance::relative(1e-13).unwrap(), 100_000);
-    let off = (fooled.unwrap().value - 0.23002).abs();
-    assert!(off > 1e-6 && off > 1e3 * fooled.unwrap().error, "{off}");
-    for seed in 0..4 {
-        let (e, _) = of(&jumps, seed, &Stop::samples(100_000));
-        assert_eq!(chosen(&e).0, Method::Controlled);
-        assert!((e.mean - 0.23002).abs() < 6.0 * e.standard_error, "{e}");
-        assert!(e.standard_error < 1e-4, "{e}");
+    let both: [(Plane<'_>, f64); 2] = [(&kinks, 0.5 * squares), (&jumps, 0.23002)];
+    for (f, exact) in both {
+        for seed in 0..4 {
+            let (e, _) = of(f, seed, &Stop::samples(100_000));
+            assert_eq!(chosen(&e).0, Method::Cubature);
+            assert!((e.mean - exact).abs() < 1e-12, "{e}");
+            assert!(e.standard_error < 1e-12, "{e}");
+        }
     }
 }
 
@@ -244,8 +240,8 @@ fn goes_on_after_a_cancelled_pass() {
     );
 }
 
-/// At the nodes of the first box it is a polynomial, so cubature stops with an error of
-/// nothing but rounding. Points in between are not fooled.
+/// At the nodes of the first box it is a polynomial, with nothing but rounding left; at the
+/// ends of its axes it is not.
 #[test]
 fn what_only_nodes_take_for_a_polynomial_is_found_out() {
     let saw = |[x, y, z]: [f64; 3]| (3.0 * (x + 0.999 * y + z)).fract();
@@ -263,8 +259,9 @@ fn what_only_nodes_take_for_a_polynomial_is_found_out() {
     let exact = 1.5 * 2.999 - steps;
     let once = Tolerance::relative(1e-12).unwrap();
     let boxes = Adaptive::new(saw, UnitCube::<3>, Degree::Nine);
-    let fooled = boxes.unwrap().refine(&once, 100_000).unwrap();
-    assert!(fooled.converged && (fooled.value - exact).abs() > 1e-3);
+    let found = boxes.unwrap().refine(&once, 83).unwrap();
+    let off = (found.value - exact).abs();
+    assert!(!found.converged && off > 1e-3 && off < found.error);
     for seed in 0..3 {
         let (e, _) = of(&saw, seed, &Stop::samples(100_000));
         assert_ne!(chosen(&e).0, Method::Cubature);

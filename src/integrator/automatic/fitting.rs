@@ -21,9 +21,6 @@ type Partitioned<E> = Pieces<Parts<E>>;
 
 /// Over the last two doublings.
 const LATE: f64 = 4.0;
-/// At a jump, more of f's upper degrees is left. Nodes do not tell where it is to better than
-/// how far the outermost are from the ends of a box: across an axis or not.
-const JUMP: f64 = 0.45;
 /// Kinks and jumps hold a larger part than this of what polynomials leave.
 const SHARE: f64 = 0.03;
 /// One that no axis follows has boxes on more than this part of the axes, or,
@@ -86,7 +83,7 @@ impl<'a, E: TryEstimator> Fitting<'a, E> {
     }
 
     /// Whether boxes have become small enough to tell that the integrand is smooth, or has
-    /// kinks across axes only, which take few boxes.
+    /// kinks and jumps across axes only, which take few boxes.
     pub(super) fn is_smooth(&self) -> bool {
         let pieces = &self.passes.partition;
         let (span, widest) = pieces.rough_span();
