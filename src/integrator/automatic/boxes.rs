@@ -22,8 +22,6 @@ type Partitioned<E> = Regions<Parts<E>>;
 const CLAIMED: f64 = 0.035;
 /// Passes that tell how fast values settle, whatever the boxes claim.
 const PASSES: usize = 5;
-/// Values may stand still by chance: what the claims promise is not divided by more.
-const BELOW_CLAIMS: f64 = 8.0;
 /// How far promises are distrusted where there may be poles.
 const WARY: f64 = 10.0;
 
@@ -122,10 +120,8 @@ impl<'a, E: TryEstimator> Boxes<'a, E> {
     /// What the error would be after so many evaluations, in each component; `None`
     /// before the first box.
     ///
-    /// Boxes claim more than their errors are, so the smaller of what the claims say
-    /// ([`by_claims`]) and what the values say ([`by_values`]) is taken, but not less than
-    /// an eighth of what the claims say. Who is `wary` takes the larger: boxes that have not
-    /// met a pole know nothing of it.
+    /// What the claims say ([`by_claims`]). Who is `wary` takes what the values say
+    /// ([`by_values`]) if that is more: boxes that have not met a pole know nothing of it.
     pub(super) fn promise(&self, evaluations: u64, wary: bool) -> Option<Wide<E>> {
         if !self.passes.goes_on() {
             return None;
@@ -136,11 +132,11 @@ impl<'a, E: TryEstimator> Boxes<'a, E> {
             let of = |(n, value, error): &Pass<_>| (*n as f64, at(value, k), at(error, k));
             let told: Vec<_> = self.history.iter().map(of).collect();
             let claims = by_claims(&told, evaluations as f64, smooth);
-            let values = by_values(&told, evaluations as f64, smooth).unwrap_or(claims);
             *e = if wary {
-                WARY * claims.max(values)
+                let values = by_values(&told, evaluations as f64, smooth);
+                WARY * values.map_or(claims, |values| claims.max(values))
             } else {
-                claims.min(values.max(claims / BELOW_CLAIMS))
+                claims
             };
         }
         Some(E::Value::wide(promise))

@@ -55,7 +55,7 @@ pub enum Why {
     /// spread evenly. The integrand may be different from 0 where none of them fell.
     AllZero,
     /// Polynomials in boxes, as a control variate, have shown that it is smooth, or has
-    /// kinks across axes only.
+    /// kinks and jumps across axes only.
     Smooth,
     /// Values had to be set aside, which a control variate would have stood in for.
     SetAside,

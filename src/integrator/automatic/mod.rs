@@ -47,8 +47,8 @@ use findings::{Findings, Stage};
 ///
 /// | method | chosen where |
 /// |---|---|
-/// | adaptive cubature | few dimensions; smooth, or kinks across the axes |
-/// | nets with a control variate | jumps, and kinks off the axes, in two and three dimensions |
+/// | adaptive cubature | few dimensions; smooth, or kinks and jumps across the axes |
+/// | nets with a control variate | kinks and jumps off the axes, in two and three dimensions |
 /// | a folded lattice | smooth, in more dimensions |
 /// | scrambled nets | most else |
 /// | nets through a learned map | peaks, poles, kinks along the axes; in more dimensions all that is nearly a product of one factor for each axis |
