@@ -60,12 +60,11 @@ pub fn adaptive<P: Pdf, V: Value>(
 /// A domain is a [`Pdf`], and the boxes are boxes of its unit cube: ranges
 /// may be infinite ([`Interval`](crate::pdf::Interval)), and a pdf that has f's
 /// singularity takes it away. In one dimension the rule is that of Gauss and
-/// Kronrod with 21 nodes, exact up to degree 31 ([`Degree`] does not matter), and what is
-/// known at the cuts is held against it, so that no jump hides past the last node; in
+/// Kronrod with 21 nodes, exact up to degree 31 ([`Degree`] does not matter); in
 /// 2 to 15, a fully symmetric rule of [`Degree`], and the box is cut along the
-/// axis with the largest fourth difference. Where its axes meet its faces, what the nodes
-/// say is held against g: a jump or a kink across an axis hides nowhere. All nodes are
-/// inside the domain.
+/// axis with the largest fourth difference. Near the ends of its axes, at two evaluations
+/// each, what the nodes say is held against g, so that a jump that an axis meets does not hide
+/// past the last of them. All points are inside the domain.
 ///
 /// # Example
 ///
@@ -81,10 +80,10 @@ pub fn adaptive<P: Pdf, V: Value>(
 /// assert!((fine.value - 1.0 / 3.0_f64).abs() < fine.error);
 /// assert_eq!(kink.regions().count() as u64, fine.regions);
 ///
-/// // 1/√x by a density that has this pole: one box, 21 evaluations.
+/// // 1/√x by a density that has this pole: one box, 23 evaluations.
 /// let pole = Power::new(0.0, 1.0, -0.5)?;
 /// let mut root = Adaptive::new(|x: f64| x.cos() / x.sqrt(), pole, Degree::Nine)?;
-/// assert_eq!(root.refine(&Tolerance::relative(1e-9)?, 1000)?.evaluations, 21);
+/// assert_eq!(root.refine(&Tolerance::relative(1e-9)?, 1000)?.evaluations, 23);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -96,8 +95,9 @@ pub fn adaptive<P: Pdf, V: Value>(
 /// seven), less at kinks and jumps, and too small where the first dozen boxes
 /// are still too large to tell. A peak that lies between the nodes of the first
 /// boxes is not seen, nor a jump within a two-thousandth of the first boxes from a face of
-/// the domain, nor the part of a kink off the axes that cuts a corner between the nodes of
-/// a box: of 100 such kinks in two dimensions, 7 had errors above those claimed after
+/// the domain, or one that is small beside what g varies by, or that ends before it meets an
+/// axis of its box; nor the part of a kink off the axes that cuts a corner between the nodes
+/// of a box: of 100 such kinks in two dimensions, 7 had errors above those claimed after
 /// 40,000 evaluations (degree seven), by up to 14 times, and 51 after 300,000. Where g is 0
 /// at every node, boxes are cut evenly: no relative tolerance is met by 0 ± 0.
 ///
@@ -344,7 +344,7 @@ mod tests {
         assert!(!found.converged && found.evaluations < 10_000);
         assert!((found.value - exact).abs() <= found.error && found.error < 1e-14);
         let found = adaptive(f64::exp, Interval::unit(), &relative(1e-18), u64::MAX).unwrap();
-        assert_eq!(found.evaluations, 21);
+        assert_eq!(found.evaluations, 23);
     }
 
     /// 0 everywhere is searched evenly, however long: nothing tells it from a
@@ -364,51 +364,14 @@ mod tests {
         assert!(state.refine(&absolute, 21).unwrap().converged);
     }
 
-    /// A spike at one node of the first box, which its halves miss. Where that is the
-    /// centre, they know as well how little they can have missed.
+    /// The first box misses a ring; the cut says so.
     #[test]
     fn halves_that_find_nothing_do_not_hide_what_the_whole_found() {
-        let beside = 0.5 + 0.5 * 0.148_874_338_981_631_2;
-        for (at, least, most) in [(0.5, 0.002, 0.01), (beside, 0.05, 0.2)] {
-            let spike = |x: f64| f64::from((x - at).abs() < 1e-3);
-            let of = |budget| adaptive(spike, Interval::unit(), &relative(1e-3), budget).unwrap();
-            let found = of(21);
-            assert!(found.error >= found.value);
-            let found = of(63);
-            assert!(found.value == 0.0, "{found}");
-            assert!((least..most).contains(&found.error), "{found}");
-            let found = of(5000);
-            assert!(
-                found.converged && (found.value - 0.002).abs() < found.error,
-                "{found}"
-            );
-        }
-    }
-
-    /// A jump lies past the outermost node of some interval on the way, or looks constant
-    /// but for a sign about the centre of one: 300 saws and stairs of 3 to 300 teeth.
-    #[test]
-    fn jumps_on_a_line_are_not_lost() {
-        for k in 0..300_u32 {
-            let [a, b] = [0.618_033_988_749_894_9, 0.754_877_666_246_692_7]
-                .map(|step| (f64::from(k) * step).fract());
-            let teeth = 3.0 * 100_f64.powf(a);
-            // ∫ of frac(z) and of floor(z) from 0.
-            let saw = |z: f64| 0.5 * (z.floor() + z.fract().powi(2));
-            let exact = [saw(teeth + b) - saw(b), 0.0].map(|i| i / teeth);
-            let exact = [exact[0], 0.5 * teeth + b - exact[0]];
-            let f = |x: f64| {
-                let z = teeth * x + b;
-                [z.fract(), z.floor()]
-            };
-            for tolerance in [1e-3, 1e-8] {
-                let found = adaptive(f, Interval::unit(), &relative(tolerance), 20_000).unwrap();
-                for (k, exact) in exact.iter().enumerate() {
-                    let off = (found.value[k] - exact).abs();
-                    assert!(off <= found.error[k], "{teeth} {b} {found} {exact}");
-                }
-            }
-        }
+        let spike = |x: f64| f64::from((x - 0.574_437).abs() < 1e-3);
+        let found = adaptive(spike, Interval::unit(), &relative(1e-3), 23).unwrap();
+        assert!(found.error >= found.value && found.value > 0.0);
+        let found = adaptive(spike, Interval::unit(), &relative(1e-3), 69).unwrap();
+        assert!(found.value == 0.0 && found.error > 0.05, "{found}");
     }
 
     #[test]
@@ -452,25 +415,50 @@ mod tests {
         );
     }
 
+    /// Near the ends of axes, too, where only errors come from.
+    #[test]
+    fn what_is_not_a_number_is_refused_wherever_it_is_met() {
+        let line = |x: f64| if x > 0.9985 { f64::NAN } else { x };
+        let refused = adaptive(line, Interval::unit(), &relative(1e-9), 1000);
+        assert!(matches!(refused, Err(QuadratureError::NotFinite(x)) if x > 0.9985));
+        let plane = |[x, _]: [f64; 2]| if x > 0.9985 { INF } else { x };
+        let refused = adaptive(plane, UnitCube::<2>, &relative(1e-9), 1000);
+        assert!(matches!(refused, Err(QuadratureError::NotFinite([x, _])) if x > 0.9985));
+    }
+
+    /// Jumps at cuts cost nothing, and poles on a face are never met.
+    #[test]
+    fn ends_are_on_this_side_of_cuts_and_of_faces() {
+        let octant = |x: [f64; 3]| f64::from(x.iter().all(|x| *x < 0.5));
+        let found = adaptive(octant, UnitCube::<3>, &relative(1e-9), 1000).unwrap();
+        assert!(
+            found.converged && (found.value - 0.125).abs() < 1e-15,
+            "{found}"
+        );
+        let log = |[x, y]: [f64; 2]| -(-x).ln_1p() * (1.0 + y);
+        let found = adaptive(log, UnitCube::<2>, &relative(1e-15), 100_000).unwrap();
+        assert!((found.value - 1.5).abs() < 1e-12, "{found}");
+    }
+
     /// A pole found late is named, and what was found before is kept.
     #[test]
     fn a_refusal_keeps_the_boxes() {
         let f = |x: f64| if x < 0.01 { INF } else { 1.0 / x.sqrt() };
         let range = Interval::new(0.0, 2.0).unwrap();
         let mut state = Adaptive::new(f, range, Degree::Nine).unwrap();
-        // 21 nodes in [0, 2]: the first at 2 · 0.0022.
+        // The first of 23 points in [0, 2] is at 2 · 0.0022 or below.
         assert!(matches!(
             state.refine(&relative(1e-9), 1000),
             Err(QuadratureError::NotFinite(x)) if x < 0.01
         ));
         assert_eq!(state.regions().count(), 0);
-        let g = |x: f64| if x < 1e-3 { f64::NAN } else { 1.0 / x.sqrt() };
+        let g = |x: f64| if x < 1e-4 { f64::NAN } else { 1.0 / x.sqrt() };
         let mut state = Adaptive::new(g, range, Degree::Nine).unwrap();
-        let before = state.refine(&relative(1e-9), 21).unwrap();
+        let before = state.refine(&relative(1e-9), 23).unwrap();
         let refused = state.refine(&relative(1e-9), 1000);
-        assert!(matches!(refused, Err(QuadratureError::NotFinite(x)) if x < 1e-3));
+        assert!(matches!(refused, Err(QuadratureError::NotFinite(x)) if x < 1e-4));
         assert!(state.regions().count() > 1);
-        let rough = state.refine(&relative(0.9), 21).unwrap();
+        let rough = state.refine(&relative(0.9), 23).unwrap();
         assert!(rough.evaluations > before.evaluations && rough.converged);
     }
 

@@ -1,19 +1,21 @@
 //! What nodes have not seen past the last of them.
 
-/// The polynomial through the nodes 0 and ±t of [−1, 1], at ±`at` beyond them, where g is
-/// known.
+/// The polynomial through the nodes 0 and ±t of [−1, 1], held against g at ±`at`, near the
+/// ends.
 ///
 /// ```text
 /// p(x) = Σ g(t) ω(x)/((x − t) ω′(t))      ω(x) = x Π (x² − tⱼ²)
 /// Δ = |g(x) − p(x)|      e = Δ min(b, Δ/S)      b = ½(1 − t₁),  S = max g − min g
 /// ```
 ///
-/// If a jump lies past the outermost node t₁, or a kink, at which Δ/S is the part of the line
-/// past it or more, the mean of g changes by no more than e, and nothing but Δ tells. Where
-/// g is smooth, e is far below the error that rules compare.
+/// If a jump of b S or more lies between the outermost node t₁ and x, or a kink, at which Δ/S
+/// is the part of the line past it or more, the mean of g changes by no more than e, and
+/// nothing but Δ tells. Where g is smooth, e is far below the error that rules compare.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Beyond<const N: usize> {
     pub(super) at: f64,
+    /// Of g, so much may be rounding.
+    rounded: f64,
     /// ½(1 − t₁)
     blind: f64,
     centre: f64,
@@ -21,9 +23,30 @@ pub(super) struct Beyond<const N: usize> {
     pairs: [[f64; 2]; N],
 }
 
+/// Where an end is a cut, g is taken on this side of it: a jump at the cut is none.
+pub(super) const AT_CUT: f64 = 1.0 - 1.0 / (1 << 20) as f64;
+/// Where it is on a face of the cube, there may be a pole.
+pub(super) const AT_FACE: f64 = 0.999;
+const ROUNDED: f64 = 1e-12;
+/// Near a face, 1 − u has few digits left.
+const ROUNDED_AT_FACE: f64 = 1e-9;
+
+/// Whether the ends of a side are on faces of the cube.
+pub(super) fn faces(centre: f64, half: f64) -> [bool; 2] {
+    [centre - half == 0.0, centre + half == 1.0]
+}
+
 impl<const N: usize> Beyond<N> {
     /// Through as many pairs of nodes as there are, at most N.
-    pub(super) const fn new(at: f64, nodes: &[f64]) -> Self {
+    pub(super) const fn at_cut(nodes: &[f64]) -> Self {
+        Self::new(AT_CUT, ROUNDED, nodes)
+    }
+
+    pub(super) const fn at_face(nodes: &[f64]) -> Self {
+        Self::new(AT_FACE, ROUNDED_AT_FACE, nodes)
+    }
+
+    const fn new(at: f64, rounded: f64, nodes: &[f64]) -> Self {
         let (mut pairs, mut at_zero, mut top, mut last, mut i) = ([[0.0; 2]; N], 1.0, at, 0.0, 0);
         while i < nodes.len() {
             let square = nodes[i] * nodes[i];
@@ -42,6 +65,7 @@ impl<const N: usize> Beyond<N> {
         }
         Self {
             at,
+            rounded,
             blind: 0.5 * (1.0 - last),
             centre: top / (at * at_zero),
             pairs,
@@ -49,7 +73,7 @@ impl<const N: usize> Beyond<N> {
     }
 
     /// Δ and e at the lower end (`side` 0) or the upper one, from g there, at the centre and
-    /// at the pairs of nodes; 0 where g is NaN, as it is not known.
+    /// at the pairs of nodes.
     pub(super) fn unseen(&self, side: usize, g: f64, centre: f64, pairs: &[[f64; 2]]) -> [f64; 2] {
         let mut claimed = self.centre * centre;
         let (mut low, mut high) = (g.min(centre), g.max(centre));
@@ -59,11 +83,10 @@ impl<const N: usize> Beyond<N> {
             high = high.max(pair[0]).max(pair[1]);
         }
         let off = (g - claimed).abs();
-        if off > 0.0 {
-            [off, off * (off / (high - low)).min(self.blind)]
-        } else {
-            [0.0; 2]
+        if off.is_finite() && off <= self.rounded * high.max(-low) {
+            return [0.0; 2];
         }
+        [off, off * (off / (high - low)).min(self.blind)]
     }
 }
 
@@ -88,7 +111,7 @@ mod tests {
 
     /// Of g at these ends, through `NODES`.
     fn unseen(at: f64, g: impl Fn(f64) -> f64) -> [[f64; 2]; 2] {
-        let beyond = Beyond::<4>::new(at, &NODES);
+        let beyond = Beyond::<4>::new(at, ROUNDED, &NODES);
         let pairs = NODES.map(|t| [g(-t), g(t)]);
         [0, 1].map(|side| beyond.unseen(side, g([-at, at][side]), g(0.0), &pairs))
     }
@@ -129,10 +152,11 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_known_says_nothing() {
-        let beyond = Beyond::<4>::new(1.0, &NODES);
+    fn what_is_not_finite_is_not_passed_over() {
+        let beyond = Beyond::<4>::new(1.0, ROUNDED, &NODES);
         let pairs = [[1.0, 2.0], [0.0, 5.0], [3.0, 3.0]];
-        assert_eq!(beyond.unseen(0, f64::NAN, 1.0, &pairs), [0.0; 2]);
-        assert!(beyond.unseen(0, 1.0, 1.0, &pairs)[1] > 0.0);
+        assert!(beyond.unseen(0, f64::NAN, 1.0, &pairs)[1].is_nan());
+        assert!(!beyond.unseen(1, f64::INFINITY, 1.0, &pairs)[1].is_finite());
+        assert_eq!(beyond.unseen(0, 1.0 + 1e-13, 1.0, &[[1.0; 2]; 3]), [0.0; 2]);
     }
 }

@@ -15,9 +15,6 @@ pub(crate) struct Found<C> {
     pub(super) room: bool,
     /// Whether nothing but rounding is left of the error of each component.
     pub(super) settled: bool,
-    /// Of an interval: g at its centre, and at its ends, NaN where it is not known.
-    pub(super) middle: C,
-    pub(super) ends: [C; 2],
 }
 
 impl<C: Components> Found<C> {
@@ -28,35 +25,29 @@ impl<C: Components> Found<C> {
             axis,
             room,
             settled: true,
-            middle: C::ZERO,
-            ends: [unknown(); 2],
         }
-    }
-
-    /// What is known at the ends of the two halves of an interval.
-    pub(super) const fn ends_of_halves(&self) -> [[C; 2]; 2] {
-        let [lower, upper] = self.ends;
-        [[lower, self.middle], [self.middle, upper]]
     }
 
     /// Sets component k from mean, error and rounding error per unit of volume.
     pub(super) fn set(&mut self, k: usize, volume: f64, mean: f64, error: f64, noise: f64) {
         self.value.as_mut()[k] = volume * mean;
-        self.error.as_mut()[k] = volume * error.max(noise);
+        // NaN stays.
+        self.error.as_mut()[k] = volume * if error <= noise { noise } else { error };
         // Where all is 0, it may only look so.
         self.settled &= noise > 0.0 && error <= noise;
+    }
+
+    /// Whether the error of each component is no more than this part of the integral over
+    /// another box.
+    pub(super) fn is_within(&self, part: f64, other: &Self) -> bool {
+        let mut each = self.error.as_ref().iter().zip(other.value.as_ref());
+        each.all(|(error, value)| *error <= part * value.abs())
     }
 
     pub(super) fn is_finite(&self) -> bool {
         let all = |c: &C| c.as_ref().iter().all(|x| x.is_finite());
         all(&self.value) && all(&self.error)
     }
-}
-
-pub(super) fn unknown<C: Components>() -> C {
-    let mut nan = C::ZERO;
-    nan.as_mut().fill(f64::NAN);
-    nan
 }
 
 /// The rounding error of a sum whose terms have absolute values of this sum.

@@ -1,6 +1,6 @@
 //! The Gauss–Kronrod rule of 21 nodes.
 
-use super::beyond::{Beyond, slope};
+use super::beyond::{AT_FACE, Beyond, faces, slope};
 use super::found::{Found, has_room, rounding};
 use crate::value::Components;
 
@@ -29,7 +29,7 @@ const GAUSS: [f64; 5] = [
 ];
 
 /// Evaluations of one application.
-pub(super) const COST: u64 = 21;
+pub(super) const COST: u64 = 23;
 
 const NODES: [f64; 10] = {
     let (mut nodes, mut i) = ([0.0; 10], 0);
@@ -40,7 +40,8 @@ const NODES: [f64; 10] = {
     nodes
 };
 
-const AT_END: Beyond<10> = Beyond::new(1.0, &NODES);
+const CUT: Beyond<10> = Beyond::at_cut(&NODES);
+const FACE: Beyond<10> = Beyond::at_face(&NODES);
 
 /// The weights of g(t) − g(−t) in the rule that is 0 for every polynomial of degree 18,
 /// and as large as K − G: those of the divided difference of g(t)/t over the squares t².
@@ -76,9 +77,8 @@ const ODD: [f64; 10] = {
 /// estimate, for even functions. K − G does not see what is odd about the centre,
 /// such as half a period of a saw tooth; N, with weights ±, sees only that.
 ///
-/// None of them sees a jump past the outermost node. What g is at an end, if that was the
-/// centre of a larger interval, is known (`ends`; NaN where not), and what is missed there,
-/// e₋ and e₊, is bounded by it ([`Beyond`]).
+/// None of them sees a jump past the outermost node. What is missed there, e₋ and e₊, is
+/// told by g near the ends ([`Beyond`]), at two evaluations more.
 ///
 /// Source: Piessens et al., *QUADPACK* (1983); for null rules of both parities, Berntsen
 /// & Espelid, *Error Estimation in Automatic Quadrature Routines* (1991). Nodes and
@@ -87,7 +87,6 @@ const ODD: [f64; 10] = {
 pub(super) fn apply<C: Components>(
     centre: f64,
     half: f64,
-    ends: [C; 2],
     g: &mut impl FnMut(&[f64]) -> C,
 ) -> Found<C> {
     let middle = g(&[centre]);
@@ -95,9 +94,15 @@ pub(super) fn apply<C: Components>(
     for (pair, (at, _)) in pairs.iter_mut().zip(KRONROD) {
         *pair = [-at, at].map(|at| g(&[centre + half * at]));
     }
+    let ends = faces(centre, half).map(|face| if face { FACE } else { CUT });
+    let at_ends = [
+        g(&[centre - half * ends[0].at]),
+        g(&[centre + half * ends[1].at]),
+    ];
     let width = 2.0 * half;
-    let mut found = Found::new(0, has_room(centre, half, 1.0 - NODES[0]));
-    (found.middle, found.ends) = (middle, ends);
+    let [_, upper] = faces(centre, half);
+    let gap = 1.0 - if upper { AT_FACE } else { NODES[0] };
+    let mut found = Found::new(0, has_room(centre, half, gap));
     for k in 0..C::COUNT {
         let mean = kronrod(&middle, &pairs, k, |y| y);
         let gauss: f64 = (pairs.iter().skip(1).step_by(2).zip(GAUSS))
@@ -114,8 +119,8 @@ pub(super) fn apply<C: Components>(
             difference
         };
         let values = pairs.map(|pair| pair.map(|g| g.as_ref()[k]));
-        for (side, end) in ends.iter().enumerate() {
-            error += AT_END.unseen(side, end.as_ref()[k], middle.as_ref()[k], &values)[1];
+        for (side, (end, at_end)) in ends.iter().zip(&at_ends).enumerate() {
+            error += end.unseen(side, at_end.as_ref()[k], middle.as_ref()[k], &values)[1];
         }
         let noise = rounding(kronrod(&middle, &pairs, k, f64::abs));
         found.set(k, width, mean, error, noise);
@@ -126,7 +131,10 @@ pub(super) fn apply<C: Components>(
 /// The weight of each node, in the order in which nodes are evaluated.
 pub(super) fn node_weights() -> Vec<f64> {
     let pairs = KRONROD.iter().flat_map(|(_, weight)| [*weight; 2]);
-    core::iter::once(MIDDLE).chain(pairs).collect()
+    core::iter::once(MIDDLE)
+        .chain(pairs)
+        .chain([0.0; 2])
+        .collect()
 }
 
 /// The mean of h(component `k`) over all 21 nodes.
@@ -143,13 +151,13 @@ fn kronrod<C: Components>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::found::unknown;
+    use super::super::beyond::AT_CUT;
     use super::*;
     use crate::quadrature::Rule;
 
     /// ∫ xᵈ over [−1, 1] by K₂₁, half of it.
     fn moment(degree: i32) -> f64 {
-        apply(0.0, 1.0, [unknown(); 2], &mut |x| [x[0].powi(degree)]).value[0] / 2.0
+        apply(0.0, 1.0, &mut |x| [x[0].powi(degree)]).value[0] / 2.0
     }
 
     fn exact(degree: i32) -> f64 {
@@ -213,31 +221,32 @@ mod tests {
         assert!((size / (difference + MIDDLE) - 1.0).abs() < 1e-14);
     }
 
-    /// Without what is known at the end, nothing tells.
+    /// Past the ends that are looked at, nothing tells.
     #[test]
-    fn what_is_known_at_the_ends_tells_jumps_past_the_last_node() {
-        for end in [0, 1] {
-            for at in [0.997, 0.9999] {
-                let t = [-at, at][end];
-                let step = |x: &[f64]| [f64::from((x[0] - t) * t > 0.0)];
-                let mut ends = [[0.0]; 2];
-                ends[end] = [1.0];
-                let missed = 1.0 - at;
-                let known = apply(0.0, 1.0, ends, &mut |x| step(x));
-                assert!(known.value == [0.0] && !known.settled);
-                assert!(
-                    (missed..5e-3).contains(&known.error[0]),
-                    "{:?}",
-                    known.error
-                );
-                let blind = apply(0.0, 1.0, [unknown(); 2], &mut |x| step(x));
-                assert_eq!((blind.value, blind.error), ([0.0], [0.0]));
+    fn the_ends_tell_jumps_past_the_last_node() {
+        for at in [0.9966, 0.9999, 1.0 - 1e-9] {
+            for sign in [-1.0, 1.0] {
+                let step = |x: &[f64]| [f64::from(sign * (x[0] - 0.25) > 0.125 * at)];
+                let found = apply(0.25, 0.125, &mut |x| step(x));
+                let missed = 0.125 * (1.0 - at);
+                assert_eq!(found.value, [0.0]);
+                if at < AT_CUT {
+                    assert!(
+                        (missed..6e-4).contains(&found.error[0]),
+                        "{:?}",
+                        found.error
+                    );
+                } else {
+                    assert_eq!(found.error, [0.0]);
+                }
             }
         }
+        // A jump at the cut is none.
+        let step = |x: &[f64]| [1.0 + f64::from(x[0] >= 0.5)];
+        assert!(apply(0.25, 0.25, &mut |x| step(x)).settled);
         // Nor does it cost anything where g is smooth.
-        let e = f64::exp;
-        let known = apply(0.5, 0.5, [[1.0], [e(1.0)]], &mut |x| [e(x[0])]);
-        assert!(known.settled && (known.value[0] - (e(1.0) - 1.0)).abs() < 1e-15);
+        let found = apply(0.5, 0.5, &mut |x| [x[0].exp()]);
+        assert!(found.settled && (found.value[0] - 1_f64.exp_m1()).abs() < 1e-15);
     }
 
     /// Half a saw tooth on either side of the centre: g(t) + g(−t) is the same at all
@@ -245,7 +254,7 @@ mod tests {
     #[test]
     fn what_is_constant_but_for_a_sign_is_not_known() {
         let saw = |x: f64| (55.7605 * x + 0.7685).fract();
-        let found = apply(0.5, 0.5, [unknown(); 2], &mut |x| [saw(x[0])]);
+        let found = apply(0.5, 0.5, &mut |x| [saw(x[0])]);
         let gauss: f64 = (KRONROD.iter().skip(1).step_by(2).zip(GAUSS))
             .map(|((at, _), w)| w * (saw(0.5 - 0.5 * at) + saw(0.5 + 0.5 * at)))
             .sum();
@@ -257,9 +266,9 @@ mod tests {
     }
 
     #[test]
-    fn the_error_is_that_of_quadpack() {
+    fn the_error_is_that_of_quadpack_and_of_the_ends() {
         // |x|: K and G differ by little, and s is 1/4 of the range.
-        let found = apply(0.0, 1.0, [unknown(); 2], &mut |x| [x[0].abs()]);
+        let found = apply(0.0, 1.0, &mut |x| [x[0].abs()]);
         let mean = found.value[0] / 2.0;
         let gauss: f64 = (KRONROD.iter().skip(1).step_by(2).zip(GAUSS))
             .map(|((at, _), weight)| 2.0 * weight * at)
@@ -268,7 +277,11 @@ mod tests {
             + (KRONROD.iter())
                 .map(|(at, weight)| 2.0 * weight * (at - mean).abs())
                 .sum::<f64>();
-        let expected = 2.0 * spread * (200.0 * (mean - gauss).abs() / spread).powf(1.5).min(1.0);
+        let within = spread * (200.0 * (mean - gauss).abs() / spread).powf(1.5).min(1.0);
+        let values = NODES.map(|t| [t; 2]);
+        let [_, low] = CUT.unseen(0, AT_CUT, 0.0, &values);
+        let [_, high] = FACE.unseen(1, AT_FACE, 0.0, &values);
+        let expected = 2.0 * (within + low + high);
         assert!((found.error[0] / expected - 1.0).abs() < 1e-10);
         assert!(found.error[0] >= (found.value[0] - 1.0).abs());
     }

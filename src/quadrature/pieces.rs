@@ -2,8 +2,9 @@
 
 use std::collections::BinaryHeap;
 
+use super::beyond::faces;
 use super::degree::Degree;
-use super::found::{Found, unknown};
+use super::found::Found;
 use super::partition::{NotFinite, Partition};
 use super::projection::Projection;
 use super::regions::{BoxRule, Rank, Regions};
@@ -194,23 +195,21 @@ impl<C: Components> Pieces<C> {
         })
     }
 
-    /// Evaluates f in a box in which `unseen` is left at least, and at the `ends` of which,
-    /// on a line, so much is known.
+    /// Evaluates f in a box in which `unseen` is left at least.
     fn fit(
         &self,
         bounds: Vec<f64>,
-        ends: [C; 2],
         unseen: f64,
         g: &mut impl FnMut(&[f64]) -> C,
     ) -> Result<Piece<C>, NotFinite> {
         let mut values = Vec::with_capacity(self.rule.cost() as usize);
-        let found = self.rule.apply(&bounds, ends, &self.scales, &mut |u| {
+        let found = self.rule.apply(&bounds, &self.scales, &mut |u| {
             let value = g(u);
             values.push(value);
             value
         });
         let (centre, half) = bounds.split_at(self.dimensions);
-        let faces = (centre.iter().zip(half)).flat_map(|(c, h)| [c - h == 0.0, c + h == 1.0]);
+        let faces = centre.iter().zip(half).flat_map(|(c, h)| faces(*c, *h));
         let (coefficients, [left, mut size, upper]) = self.projection.fit(&values, faces);
         let scales = if self.pieces.is_empty() {
             scales(&size)
@@ -281,7 +280,7 @@ impl<C: Components> Partition<C> for Pieces<C> {
     }
 
     fn whole(&self, g: &mut impl FnMut(&[f64]) -> C) -> Result<Piece<C>, NotFinite> {
-        self.fit(vec![0.5; 2 * self.dimensions], [unknown(); 2], 0.0, g)
+        self.fit(vec![0.5; 2 * self.dimensions], 0.0, g)
     }
 
     fn begin(&mut self, whole: Piece<C>) {
@@ -306,13 +305,12 @@ impl<C: Components> Partition<C> for Pieces<C> {
         } = self.pieces[region];
         let axis = found.axis;
         let (at, quarter) = (bounds[axis], 0.5 * bounds[n + axis]);
-        let mut half = |centre: f64, ends: [C; 2]| {
+        let mut half = |centre: f64| {
             let mut half = bounds.clone();
             (half[axis], half[n + axis]) = (centre, quarter);
-            self.fit(half, ends, UNSEEN * left, g)
+            self.fit(half, UNSEEN * left, g)
         };
-        let [lower, upper] = found.ends_of_halves();
-        let mut pieces = [half(at - quarter, lower)?, half(at + quarter, upper)?];
+        let mut pieces = [half(at - quarter)?, half(at + quarter)?];
         let mut halves = pieces.each_ref().map(|piece| piece.found);
         self.rule.compare(found, &mut halves);
         for (piece, found) in pieces.iter_mut().zip(halves) {

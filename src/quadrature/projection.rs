@@ -1,8 +1,8 @@
 //! The polynomial that the values at a rule's nodes determine.
 
+use super::beyond::{AT_CUT, AT_FACE};
 use super::degree::Degree;
 use super::regions::BoxRule;
-use super::symmetric::NEAR_FACE;
 use crate::value::Components;
 
 /// The projection onto polynomials of degree d over [−1, 1]ⁿ, its integrals taken by a
@@ -122,7 +122,7 @@ impl Projection {
             weights.extend(at_node.iter().zip(&norms).map(|(p, norm)| w * p / norm));
             at_nodes.extend_from_slice(&at_node);
             if *w == 0.0 {
-                let near: Vec<_> = t.iter().map(|t| NEAR_FACE * t).collect();
+                let near: Vec<_> = t.iter().map(|t| t / AT_CUT * AT_FACE).collect();
                 products(&terms, &near, &mut at_node);
                 near_faces.extend_from_slice(&at_node);
             }

@@ -4,7 +4,7 @@ use core::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use super::degree::Degree;
-use super::found::{Found, unknown};
+use super::found::Found;
 use super::kronrod;
 use super::partition::{NotFinite, Partition};
 use super::symmetric::{MOST_AXES, Symmetric};
@@ -42,7 +42,7 @@ impl BoxRule {
         // In the midst of the cube: no face is near.
         let bounds = [vec![0.5; dimensions], vec![0.25; dimensions]].concat();
         let mut nodes = Vec::new();
-        self.apply(&bounds, [unknown(); 2], &[1.0], &mut |x| {
+        self.apply(&bounds, &[1.0], &mut |x| {
             nodes.extend(x.iter().map(|x| 4.0 * x - 2.0));
             [0.0]
         });
@@ -53,18 +53,16 @@ impl BoxRule {
         (nodes, weights)
     }
 
-    /// `bounds` holds the centre and then half the sides; `ends`, what is known at the ends
-    /// of an interval.
+    /// `bounds` holds the centre and then half the sides.
     pub(super) fn apply<C: Components>(
         &self,
         bounds: &[f64],
-        ends: [C; 2],
         weights: &C,
         g: &mut impl FnMut(&[f64]) -> C,
     ) -> Found<C> {
         let (centre, half) = bounds.split_at(bounds.len() / 2);
         match self {
-            Self::Kronrod => kronrod::apply(centre[0], half[0], ends, g),
+            Self::Kronrod => kronrod::apply(centre[0], half[0], g),
             Self::Symmetric(rule) => rule.apply(centre, half, weights, g),
         }
     }
@@ -100,8 +98,19 @@ impl BoxRule {
                 half.settled &= unowned == 0.0;
             }
         }
+        // Cut evenly, to look between the nodes: what comes up may be rounding, near a face
+        // more of it than nodes tell.
+        if whole.settled {
+            for half in halves {
+                half.settled |= half.is_within(UNCHANGED, whole);
+            }
+        }
     }
 }
+
+/// The part of a box's integral that is not worth a cut in its halves, if nothing but rounding
+/// was left of it.
+const UNCHANGED: f64 = 1e-10;
 
 /// What makes components comparable where no tolerance does.
 const EVEN: Tolerance = Tolerance::EVEN;
@@ -126,7 +135,7 @@ pub(crate) struct Regions<C> {
     /// What an error in each component weighs, for this tolerance.
     weights: C,
     tolerance: Option<Tolerance>,
-    /// What the largest boxes are worth cutting for, where nothing else is.
+    /// Until there were so many evaluations, the largest boxes are cut where no other is.
     evenly: u64,
 }
 
@@ -401,7 +410,7 @@ impl<C: Components> Partition<C> for Regions<C> {
 
     fn whole(&self, g: &mut impl FnMut(&[f64]) -> C) -> Result<Found<C>, NotFinite> {
         let bounds = vec![0.5; 2 * self.dimensions];
-        let whole = self.rule.apply(&bounds, [unknown(); 2], &self.weights, g);
+        let whole = self.rule.apply(&bounds, &self.weights, g);
         whole.is_finite().then_some(whole).ok_or(NotFinite)
     }
 
@@ -427,11 +436,8 @@ impl<C: Components> Partition<C> for Regions<C> {
         let shift = bounds[0][n + whole.axis];
         bounds[0][whole.axis] -= shift;
         bounds[1][whole.axis] += shift;
-        let [lower, upper] = whole.ends_of_halves();
-        let mut apply = |half: &[f64; 2 * MOST_AXES], ends: [C; 2]| {
-            self.rule.apply(&half[..2 * n], ends, &self.weights, g)
-        };
-        let mut halves = [apply(&bounds[0], lower), apply(&bounds[1], upper)];
+        let apply = |half: &[f64; 2 * MOST_AXES]| self.rule.apply(&half[..2 * n], &self.weights, g);
+        let mut halves = bounds.each_ref().map(apply);
         if !halves.iter().all(Found::is_finite) {
             return Err(NotFinite);
         }

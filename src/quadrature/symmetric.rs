@@ -1,6 +1,6 @@
 //! Fully symmetric rules on a box.
 
-use super::beyond::Beyond;
+use super::beyond::{AT_FACE, Beyond, faces};
 use super::found::{Found, has_room, rounding};
 use super::orbit::{
     Orbit::{self, All, Centre, One, Three, Two},
@@ -47,9 +47,9 @@ pub(crate) struct Symmetric {
     weights: Weights,
     /// Of degrees 0, 2, …: blind to all lower degrees.
     nulls: Vec<(usize, Weights)>,
-    /// What the nodes of an axis say of where it meets a cut, and of near a face.
+    /// What the nodes of an axis say of where it meets a cut, and a face of the cube.
     at_cut: Beyond<MOST_SINGLE>,
-    near_face: Beyond<MOST_SINGLE>,
+    at_face: Beyond<MOST_SINGLE>,
     cost: u64,
 }
 
@@ -132,8 +132,8 @@ impl Symmetric {
         weights[0] = 1.0 - others.map(|(o, w)| points(o) * w).sum::<f64>();
         Self {
             nulls: null_rules(n, &orbits, &weights),
-            at_cut: Beyond::new(1.0, &nodes),
-            near_face: Beyond::new(NEAR_FACE, &nodes),
+            at_cut: Beyond::at_cut(&nodes),
+            at_face: Beyond::at_face(&nodes),
             cost: orbits.iter().map(|orbit| orbit.points(n)).sum::<u64>() + 2 * n as u64,
             singles: single.len(),
             orbits,
@@ -172,14 +172,9 @@ impl Symmetric {
         g: &mut impl FnMut(&[f64]) -> C,
     ) -> [C; 2] {
         let mut sums = [C::ZERO; 2];
-        for (side, (sign, face)) in [(-1.0, 0.0), (1.0, 1.0)].into_iter().enumerate() {
-            let is_face = centre[i] + sign * half[i] == face;
-            let beyond = if is_face {
-                &self.near_face
-            } else {
-                &self.at_cut
-            };
-            x[i] = centre[i] + sign * beyond.at * half[i];
+        for (side, face) in faces(centre[i], half[i]).into_iter().enumerate() {
+            let beyond = [&self.at_cut, &self.at_face][usize::from(face)];
+            x[i] = centre[i] + [-1.0, 1.0][side] * beyond.at * half[i];
             let end = g(x);
             for k in 0..C::COUNT {
                 let mut pairs = [[0.0; 2]; MOST_SINGLE];
@@ -247,7 +242,9 @@ impl Symmetric {
             let wider = |other: usize| {
                 bend > most * (1.0 + TIE) || (bend >= most * (1.0 - TIE) && half[i] > half[other])
             };
-            if has_room(centre[i], half[i], GAP) && axis.is_none_or(wider) {
+            let [_, upper] = faces(centre[i], half[i]);
+            let gap = if upper { 1.0 - AT_FACE } else { GAP };
+            if has_room(centre[i], half[i], gap) && axis.is_none_or(wider) {
                 (axis, most) = (Some(i), bend);
             }
         }
@@ -282,8 +279,6 @@ impl Symmetric {
 const TIE: f64 = 1e-10;
 /// From the outermost generator, √0.914, to 1.
 const GAP: f64 = 0.04;
-/// Where poles are on a face, it is not to be met.
-pub(super) const NEAR_FACE: f64 = 0.999;
 
 fn corners(n: usize) -> f64 {
     (1_u64 << n) as f64

@@ -348,6 +348,32 @@ fn what_lies_across_axes_is_not_lost() {
     assert!(off(&near, 0.9999, Degree::Seven, 1e-2) > 1e3);
 }
 
+/// A jump lies past the outermost node of some interval on the way, or looks constant
+/// but for a sign about the centre of one: 300 saws and stairs of 3 to 300 teeth.
+#[test]
+fn jumps_on_a_line_are_not_lost() {
+    for k in 0..300_u32 {
+        let [a, b] = [0.618_033_988_749_894_9, 0.754_877_666_246_692_7]
+            .map(|step| (f64::from(k) * step).fract());
+        let teeth = 3.0 * 100_f64.powf(a);
+        // ∫ of frac(z) and of floor(z) from 0.
+        let saw = |z: f64| 0.5 * (z.floor() + z.fract().powi(2));
+        let exact = [saw(teeth + b) - saw(b), 0.0].map(|i| i / teeth);
+        let exact = [exact[0], 0.5 * teeth + b - exact[0]];
+        let f = |x: f64| {
+            let z = teeth * x + b;
+            [z.fract(), z.floor()]
+        };
+        for tolerance in [1e-3, 1e-8] {
+            let found = adaptive(f, Interval::unit(), &relative(tolerance), 20_000).unwrap();
+            for (k, exact) in exact.iter().enumerate() {
+                let off = (found.value[k] - exact).abs();
+                assert!(off <= found.error[k], "{teeth} {b} {found} {exact}");
+            }
+        }
+    }
+}
+
 /// A region costs room in three lists and no allocation of its own.
 #[test]
 fn no_region_allocates() {
