@@ -1,5 +1,7 @@
 //! What nodes have not seen past the last of them.
 
+use crate::value::Components;
+
 /// The polynomial through the nodes 0 and ±t of [−1, 1], held against g at ±`at`, near the
 /// ends.
 ///
@@ -12,8 +14,8 @@
 /// is the part of the line past it or more, the mean of g changes by no more than e, and
 /// nothing but Δ tells. Where g is smooth, e is far below the error that rules compare.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Beyond<const N: usize> {
-    pub(super) at: f64,
+struct Beyond<const N: usize> {
+    at: f64,
     /// Of g, so much may be rounding.
     rounded: f64,
     /// ½(1 − t₁)
@@ -38,11 +40,11 @@ pub(super) fn faces(centre: f64, half: f64) -> [bool; 2] {
 
 impl<const N: usize> Beyond<N> {
     /// Through as many pairs of nodes as there are, at most N.
-    pub(super) const fn at_cut(nodes: &[f64]) -> Self {
+    const fn at_cut(nodes: &[f64]) -> Self {
         Self::new(AT_CUT, ROUNDED, nodes)
     }
 
-    pub(super) const fn at_face(nodes: &[f64]) -> Self {
+    const fn at_face(nodes: &[f64]) -> Self {
         Self::new(AT_FACE, ROUNDED_AT_FACE, nodes)
     }
 
@@ -74,7 +76,7 @@ impl<const N: usize> Beyond<N> {
 
     /// Δ and e at the lower end (`side` 0) or the upper one, from g there, at the centre and
     /// at the pairs of nodes.
-    pub(super) fn unseen(&self, side: usize, g: f64, centre: f64, pairs: &[[f64; 2]]) -> [f64; 2] {
+    fn unseen(&self, side: usize, g: f64, centre: f64, pairs: &[[f64; 2]]) -> [f64; 2] {
         let mut claimed = self.centre * centre;
         let (mut low, mut high) = (g.min(centre), g.max(centre));
         for (pair, [near, far]) in pairs.iter().zip(self.pairs) {
@@ -87,6 +89,54 @@ impl<const N: usize> Beyond<N> {
             return [0.0; 2];
         }
         [off, off * (off / (high - low)).min(self.blind)]
+    }
+}
+
+/// What the nodes of an axis say of its ends, be they cuts or faces.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ends<const N: usize> {
+    at_cut: Beyond<N>,
+    at_face: Beyond<N>,
+}
+
+impl<const N: usize> Ends<N> {
+    pub(super) const fn new(nodes: &[f64]) -> Self {
+        Self {
+            at_cut: Beyond::at_cut(nodes),
+            at_face: Beyond::at_face(nodes),
+        }
+    }
+
+    /// Δ and e of both ends of axis i of a box, summed, from g at its centre `x` and at the
+    /// pairs of nodes on the `line` through it, and near the ends, where it is evaluated.
+    pub(super) fn unseen<C: Components>(
+        &self,
+        i: usize,
+        (centre, half): (&[f64], &[f64]),
+        x: &mut [f64],
+        middle: &C,
+        line: &[[C; 2]],
+        g: &mut impl FnMut(&[f64]) -> C,
+    ) -> [C; 2] {
+        let mut sums = [C::ZERO; 2];
+        for (side, face) in faces(centre[i], half[i]).into_iter().enumerate() {
+            let beyond = [&self.at_cut, &self.at_face][usize::from(face)];
+            x[i] = centre[i] + [-1.0, 1.0][side] * beyond.at * half[i];
+            let end = g(x);
+            for k in 0..C::COUNT {
+                let mut pairs = [[0.0; 2]; N];
+                let pairs = &mut pairs[..line.len()];
+                for (pair, values) in pairs.iter_mut().zip(line) {
+                    *pair = values.each_ref().map(|g| g.as_ref()[k]);
+                }
+                let each = beyond.unseen(side, end.as_ref()[k], middle.as_ref()[k], pairs);
+                for (sum, x) in sums.iter_mut().zip(each) {
+                    sum.as_mut()[k] += x;
+                }
+            }
+        }
+        x[i] = centre[i];
+        sums
     }
 }
 

@@ -1,6 +1,6 @@
 //! The Gauss–Kronrod rule of 21 nodes.
 
-use super::beyond::{AT_FACE, Beyond, faces, slope};
+use super::beyond::{AT_FACE, Ends, faces, slope};
 use super::found::{Found, has_room, rounding};
 use crate::value::Components;
 
@@ -40,8 +40,7 @@ const NODES: [f64; 10] = {
     nodes
 };
 
-const CUT: Beyond<10> = Beyond::at_cut(&NODES);
-const FACE: Beyond<10> = Beyond::at_face(&NODES);
+const ENDS: Ends<10> = Ends::new(&NODES);
 
 /// The weights of g(t) − g(−t) in the rule that is 0 for every polynomial of degree 18,
 /// and as large as K − G: those of the divided difference of g(t)/t over the squares t².
@@ -78,7 +77,7 @@ const ODD: [f64; 10] = {
 /// such as half a period of a saw tooth; N, with weights ±, sees only that.
 ///
 /// None of them sees a jump past the outermost node. What is missed there, e₋ and e₊, is
-/// told by g near the ends ([`Beyond`]), at two evaluations more.
+/// told by g near the ends ([`Ends`]), at two evaluations more.
 ///
 /// Source: Piessens et al., *QUADPACK* (1983); for null rules of both parities, Berntsen
 /// & Espelid, *Error Estimation in Automatic Quadrature Routines* (1991). Nodes and
@@ -94,11 +93,7 @@ pub(super) fn apply<C: Components>(
     for (pair, (at, _)) in pairs.iter_mut().zip(KRONROD) {
         *pair = [-at, at].map(|at| g(&[centre + half * at]));
     }
-    let ends = faces(centre, half).map(|face| if face { FACE } else { CUT });
-    let at_ends = [
-        g(&[centre - half * ends[0].at]),
-        g(&[centre + half * ends[1].at]),
-    ];
+    let [_, missed] = ENDS.unseen(0, (&[centre], &[half]), &mut [centre], &middle, &pairs, g);
     let width = 2.0 * half;
     let [_, upper] = faces(centre, half);
     let gap = 1.0 - if upper { AT_FACE } else { NODES[0] };
@@ -118,10 +113,7 @@ pub(super) fn apply<C: Components>(
         } else {
             difference
         };
-        let values = pairs.map(|pair| pair.map(|g| g.as_ref()[k]));
-        for (side, (end, at_end)) in ends.iter().zip(&at_ends).enumerate() {
-            error += end.unseen(side, at_end.as_ref()[k], middle.as_ref()[k], &values)[1];
-        }
+        error += missed.as_ref()[k];
         let noise = rounding(kronrod(&middle, &pairs, k, f64::abs));
         found.set(k, width, mean, error, noise);
     }
@@ -278,10 +270,10 @@ mod tests {
                 .map(|(at, weight)| 2.0 * weight * (at - mean).abs())
                 .sum::<f64>();
         let within = spread * (200.0 * (mean - gauss).abs() / spread).powf(1.5).min(1.0);
-        let values = NODES.map(|t| [t; 2]);
-        let [_, low] = CUT.unseen(0, AT_CUT, 0.0, &values);
-        let [_, high] = FACE.unseen(1, AT_FACE, 0.0, &values);
-        let expected = 2.0 * (within + low + high);
+        let line = NODES.map(|t| [[t]; 2]);
+        let g = &mut |x: &[f64]| [x[0].abs()];
+        let [_, [missed]] = ENDS.unseen(0, (&[0.0], &[1.0]), &mut [0.0], &[0.0], &line, g);
+        let expected = 2.0 * (within + missed);
         assert!((found.error[0] / expected - 1.0).abs() < 1e-10);
         assert!(found.error[0] >= (found.value[0] - 1.0).abs());
     }

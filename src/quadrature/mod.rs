@@ -39,5 +39,4 @@ pub use piecewise::PiecewisePolynomial;
 pub(crate) use projection::MOST_FITTED;
 pub(crate) use regions::{BoxRule, Cut, Regions};
 pub use rule::{Node, Rule, RuleError};
-
 pub use tensor::tensor;

@@ -1,6 +1,6 @@
 //! Fully symmetric rules on a box.
 
-use super::beyond::{AT_FACE, Beyond, faces};
+use super::beyond::{AT_FACE, Ends, faces};
 use super::found::{Found, has_room, rounding};
 use super::orbit::{
     Orbit::{self, All, Centre, One, Three, Two},
@@ -28,7 +28,7 @@ type Weights = [f64; MOST];
 /// ```
 ///
 /// and 2n more, where the axes through the centre meet the faces of the box, which say what
-/// the rule misses between its outermost points and the faces ([`Beyond`]): some fortieth of
+/// the rule misses between its outermost points and the faces ([`Ends`]): some fortieth of
 /// each side, at either end.
 ///
 /// The mean of x₁²ⁱ x₂²ʲ … over [−1, 1]ⁿ is 1/((2i + 1)(2j + 1)…). Monomials of
@@ -47,9 +47,8 @@ pub(crate) struct Symmetric {
     weights: Weights,
     /// Of degrees 0, 2, …: blind to all lower degrees.
     nulls: Vec<(usize, Weights)>,
-    /// What the nodes of an axis say of where it meets a cut, and a face of the cube.
-    at_cut: Beyond<MOST_SINGLE>,
-    at_face: Beyond<MOST_SINGLE>,
+    /// What the nodes of an axis say of its ends.
+    ends: Ends<MOST_SINGLE>,
     cost: u64,
 }
 
@@ -132,8 +131,7 @@ impl Symmetric {
         weights[0] = 1.0 - others.map(|(o, w)| points(o) * w).sum::<f64>();
         Self {
             nulls: null_rules(n, &orbits, &weights),
-            at_cut: Beyond::at_cut(&nodes),
-            at_face: Beyond::at_face(&nodes),
+            ends: Ends::new(&nodes),
             cost: orbits.iter().map(|orbit| orbit.points(n)).sum::<u64>() + 2 * n as u64,
             singles: single.len(),
             orbits,
@@ -158,38 +156,6 @@ impl Symmetric {
     /// Evaluations of one application.
     pub(super) fn cost(&self) -> u64 {
         self.cost
-    }
-
-    /// [`Beyond::unseen`] at both ends of axis i, summed, with g at the centre and on the
-    /// `line` through it.
-    fn past_the_nodes<C: Components>(
-        &self,
-        i: usize,
-        (centre, half): (&[f64], &[f64]),
-        x: &mut [f64],
-        middle: &C,
-        line: &[[C; 2]],
-        g: &mut impl FnMut(&[f64]) -> C,
-    ) -> [C; 2] {
-        let mut sums = [C::ZERO; 2];
-        for (side, face) in faces(centre[i], half[i]).into_iter().enumerate() {
-            let beyond = [&self.at_cut, &self.at_face][usize::from(face)];
-            x[i] = centre[i] + [-1.0, 1.0][side] * beyond.at * half[i];
-            let end = g(x);
-            for k in 0..C::COUNT {
-                let mut pairs = [[0.0; 2]; MOST_SINGLE];
-                let pairs = &mut pairs[..line.len()];
-                for (pair, values) in pairs.iter_mut().zip(line) {
-                    *pair = values.each_ref().map(|g| g.as_ref()[k]);
-                }
-                let each = beyond.unseen(side, end.as_ref()[k], middle.as_ref()[k], pairs);
-                for (sum, x) in sums.iter_mut().zip(each) {
-                    sum.as_mut()[k] += x;
-                }
-            }
-        }
-        x[i] = centre[i];
-        sums
     }
 
     /// ∫ g over the box centre ± half, and the axis along which g bends most.
@@ -228,7 +194,7 @@ impl Symmetric {
                     add(pair, value);
                 }
             }
-            let [off, missed] = self.past_the_nodes(i, (centre, half), x, &sums[0], line, g);
+            let [off, missed] = self.ends.unseen(i, (centre, half), x, &sums[0], line, g);
             add(&mut unseen, &missed);
             for (sum, pair) in sums[1..].iter_mut().zip(&pairs[..self.singles]) {
                 add(sum, pair);

@@ -10,7 +10,6 @@ mod control_variates;
 mod cubature;
 mod diagnosis;
 mod events;
-
 mod jumps;
 mod median;
 mod multiple_importance;
