@@ -28,12 +28,12 @@ use crate::value::{Components, Value};
 ///
 /// | integrand | n | cubature | a net | half of it a fit |
 /// |---|---|---|---|---|
-/// | jump | 2 | 4.0e-5 (1.8e-3) | 1.3e-4 (2.3e-4) | 1.5e-5 (1.6e-5) |
-/// | kink | 2 | 2.5e-7 (1.6e-7) | 9.5e-7 (4.0e-6) | 3.3e-8 (6.2e-8) |
-/// | kink | 3 | 1.2e-3 (9.1e-5) | 1.1e-5 (3.3e-5) | 8.9e-6 (9.6e-6) |
-/// | bell | 3 | 8.6e-10 (1.1e-7) | 4.4e-6 (2.7e-5) | 1.2e-6 (2.0e-6) |
-/// | wave | 4 | 8.1e-14 (2.2e-10) | 6.5e-8 (4.7e-7) | 1.3e-8 (2.1e-8) |
-/// | jump | 5 | 1.6e-4 (3.4e-1) | 7.1e-4 (1.1e-3) | 1.6e-3 (1.9e-3) |
+/// | jump | 2 | 3.9e-5 (2.4e-3) | 1.3e-4 (2.3e-4) | 1.9e-5 (2.1e-5) |
+/// | kink | 2 | 2.3e-7 (2.6e-7) | 9.5e-7 (4.0e-6) | 2.1e-8 (4.6e-8) |
+/// | kink | 3 | 1.2e-3 (1.1e-4) | 1.1e-5 (3.3e-5) | 7.6e-6 (9.8e-6) |
+/// | bell | 3 | 8.8e-10 (1.6e-7) | 4.4e-6 (2.7e-5) | 1.5e-6 (2.3e-6) |
+/// | wave | 4 | 1.1e-13 (2.6e-10) | 6.5e-8 (4.7e-7) | 1.2e-8 (2.5e-8) |
+/// | jump | 5 | 2.1e-3 (4.5e-1) | 7.1e-4 (1.1e-3) | 1.6e-3 (1.7e-3) |
 ///
 /// What is smooth, cubature alone does better, for an error that nobody vouches for. From
 /// four dimensions on boxes are too large to tell where a jump is, and a net alone is

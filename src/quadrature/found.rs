@@ -50,6 +50,25 @@ impl<C: Components> Found<C> {
     }
 }
 
+/// A sum with what each addition rounds off.
+///
+/// Source: Neumaier, *Rundungsfehleranalyse einiger Verfahren zur Summation endlicher Summen*
+/// (1974).
+pub(super) fn sum(terms: impl Iterator<Item = f64>) -> f64 {
+    let (mut sum, mut lost) = (0.0_f64, 0.0);
+    for term in terms {
+        let next = sum + term;
+        let (large, small) = if sum.abs() < term.abs() {
+            (term, sum)
+        } else {
+            (sum, term)
+        };
+        lost += (large - next) + small;
+        sum = next;
+    }
+    sum + lost
+}
+
 /// The rounding error of a sum whose terms have absolute values of this sum.
 pub(super) fn rounding(size: f64) -> f64 {
     8.0 * f64::EPSILON * size

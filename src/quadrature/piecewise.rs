@@ -2,7 +2,7 @@
 
 use super::QuadratureError;
 use super::degree::Degree;
-use super::found::rounding;
+use super::found::{rounding, sum};
 use super::partition::{NotFinite, Partition};
 use super::pieces::{Halved, Piece, Pieces};
 use super::projection::{MOST_FITTED, Projection};
@@ -133,14 +133,14 @@ impl<V: Value> PiecewisePolynomial<V> {
     /// What was fitted.
     pub(crate) fn of(pieces: &Pieces<V::Components>) -> Self {
         let masses = masses(pieces);
-        let sum = |of: fn(&Piece<V::Components>) -> &V::Components| {
-            let mut sum = V::Components::ZERO;
-            for (k, sum) in sum.as_mut().iter_mut().enumerate() {
-                *sum = pieces.iter().map(|p| of(p).as_ref()[k]).sum();
+        let all = |of: fn(&Piece<V::Components>) -> &V::Components| {
+            let mut all = V::Components::ZERO;
+            for (k, all) in all.as_mut().iter_mut().enumerate() {
+                *all = sum(pieces.iter().map(|p| of(p).as_ref()[k]));
             }
-            sum
+            all
         };
-        let (integral, mut lost) = (sum(|p| &p.found.value), sum(|p| &p.size));
+        let (integral, mut lost) = (all(|p| &p.found.value), all(|p| &p.size));
         lost.as_mut().iter_mut().for_each(|s| *s = rounding(*s));
         let each = pieces.iter();
         Self {

@@ -26,8 +26,9 @@ pub(super) struct Projection {
     shares: Vec<f64>,
     /// π_α(tⱼ), node after node.
     products: Vec<f64>,
-    /// The same at the ends of the axes, where these are near a face of the cube.
-    near_faces: Vec<f64>,
+    /// Which points are ends of axes, which have no weight, and π_α there if the end is on a
+    /// face of the cube.
+    ends: Vec<(usize, Vec<f64>)>,
     /// wⱼ π_α(tⱼ)/‖π_α‖², node after node.
     weights: Vec<f64>,
     /// ‖π_α‖² of those of the upper half of the degrees, 0 of the others.
@@ -116,15 +117,15 @@ impl Projection {
         extend(&mut terms, &mut norms, 0, (0, n), degree);
         let (nodes, rule) = rule.nodes(n);
         let (mut at_nodes, mut weights) = (Vec::new(), Vec::new());
-        let (mut at_node, mut near_faces) = (vec![0.0; norms.len()], Vec::new());
-        for (t, w) in nodes.chunks(n).zip(&rule) {
+        let (mut at_node, mut ends) = (vec![0.0; norms.len()], Vec::new());
+        for (node, (t, w)) in nodes.chunks(n).zip(&rule).enumerate() {
             products(&terms, t, &mut at_node);
             weights.extend(at_node.iter().zip(&norms).map(|(p, norm)| w * p / norm));
             at_nodes.extend_from_slice(&at_node);
             if *w == 0.0 {
                 let near: Vec<_> = t.iter().map(|t| t / AT_CUT * AT_FACE).collect();
                 products(&terms, &near, &mut at_node);
-                near_faces.extend_from_slice(&at_node);
+                ends.push((node, at_node.clone()));
             }
         }
         let mut degrees = vec![0; norms.len()];
@@ -139,7 +140,7 @@ impl Projection {
             terms,
             shares: shares().map(|share| share / size).collect(),
             products: at_nodes,
-            near_faces,
+            ends,
             weights,
             upper: upper.collect(),
         }
@@ -170,14 +171,10 @@ impl Projection {
                 c.iter_mut().zip(weights).for_each(|(c, w)| *c += w * f);
             }
             let nodes = self.products.chunks(terms).zip(&self.shares);
-            let mut ends = self.near_faces.chunks(terms).zip(faces.clone());
-            for ((value, (products, share)), w) in values
-                .iter()
-                .zip(nodes)
-                .zip(self.weights.iter().step_by(terms))
-            {
-                let products = match (*w == 0.0).then(|| ends.next()).flatten() {
-                    Some((near, true)) => near,
+            let mut ends = self.ends.iter().zip(faces.clone()).peekable();
+            for (node, (value, (products, share))) in values.iter().zip(nodes).enumerate() {
+                let products = match ends.next_if(|((end, _), _)| *end == node) {
+                    Some(((_, near_face), true)) => near_face,
                     _ => products,
                 };
                 let f = value.as_ref()[k];

@@ -4,7 +4,7 @@ use core::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use super::degree::Degree;
-use super::found::Found;
+use super::found::{Found, sum};
 use super::kronrod;
 use super::partition::{NotFinite, Partition};
 use super::symmetric::{MOST_AXES, Symmetric};
@@ -15,7 +15,7 @@ use crate::value::Components;
 #[derive(Clone, Debug)]
 pub(crate) enum BoxRule {
     Kronrod,
-    Symmetric(Symmetric),
+    Symmetric(Box<Symmetric>),
 }
 
 impl BoxRule {
@@ -23,8 +23,12 @@ impl BoxRule {
     pub(crate) fn new(dimensions: usize, degree: Degree) -> Option<Self> {
         match (dimensions, degree) {
             (1, _) => Some(Self::Kronrod),
-            (2..=MOST_AXES, Degree::Seven) => Some(Self::Symmetric(Symmetric::seven(dimensions))),
-            (2..=MOST_AXES, Degree::Nine) => Some(Self::Symmetric(Symmetric::nine(dimensions))),
+            (2..=MOST_AXES, Degree::Seven) => {
+                Some(Self::Symmetric(Symmetric::seven(dimensions).into()))
+            }
+            (2..=MOST_AXES, Degree::Nine) => {
+                Some(Self::Symmetric(Symmetric::nine(dimensions).into()))
+            }
             _ => None,
         }
     }
@@ -344,27 +348,11 @@ impl<C: Components> Regions<C> {
         half.iter().product()
     }
 
-    /// The sums over all boxes anew, the values with what each addition rounds
-    /// off (Neumaier).
+    /// The sums over all boxes anew.
     fn add_up(&mut self) {
-        let mut lost = C::ZERO;
-        (self.value, self.error) = (C::ZERO, C::ZERO);
-        for found in &self.found {
-            for k in 0..C::COUNT {
-                let (sum, term) = (self.value.as_ref()[k], found.value.as_ref()[k]);
-                let next = sum + term;
-                let (large, small) = if sum.abs() < term.abs() {
-                    (term, sum)
-                } else {
-                    (sum, term)
-                };
-                lost.as_mut()[k] += (large - next) + small;
-                self.value.as_mut()[k] = next;
-                self.error.as_mut()[k] += found.error.as_ref()[k];
-            }
-        }
-        for (sum, lost) in self.value.as_mut().iter_mut().zip(lost.as_ref()) {
-            *sum += lost;
+        for k in 0..C::COUNT {
+            self.value.as_mut()[k] = sum(self.found.iter().map(|f| f.value.as_ref()[k]));
+            self.error.as_mut()[k] = self.found.iter().map(|f| f.error.as_ref()[k]).sum();
         }
     }
 }

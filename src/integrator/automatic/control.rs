@@ -21,7 +21,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         let fitting = Fitting::new(self.estimator.clone(), self.dimension)
             .filter(|_| self.dimension <= MOST_CONTROLLED)
             .filter(|fitting| {
-                // What is settled, a fit has to be found for all the same.
+                // Settled cubature is to be looked into, however poor the fit.
                 let fewest = if self.is_settled() { 1 } else { FEW };
                 fitting.passes.smallest_pass() * fewest <= allowance
             });

@@ -155,7 +155,7 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         });
     }
 
-    /// Whether the samples of the pilot would have noticed what cubature missed.
+    /// Whether cubature may be right, by samples of the pilot that are able to tell.
     pub(super) fn agrees(&self, boxes: &Boxes<'a, E>) -> bool {
         let look = self.findings.look;
         self.is_telling() && look.is_some_and(|look| self.is_near(boxes, &look))
