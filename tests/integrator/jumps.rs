@@ -1,11 +1,9 @@
 //! What `integrate` makes of jumps and kinks that follow axes, wherever they are: bars that
 //! cover, though some of them lie past the last node of one box after another.
 
-use core::cell::Cell;
-
+use crate::support::coverage::covers_enough;
 use crate::support::significance::{assert_plausible, assert_rejected};
 use estimand::prelude::*;
-use estimand::verify;
 
 const CASES: u32 = 100;
 const BUDGET: u64 = 20_000;
@@ -34,18 +32,7 @@ fn p_value<const D: usize>(case: impl Fn([f64; 2]) -> Case<D>) -> f64 {
     };
     let found: Vec<_> = (0..CASES).filter_map(answer).collect();
     assert!(found.len() > 40, "{}", found.len());
-    let next = Cell::new(0);
-    let nth = |_| {
-        next.set(next.get() + 1);
-        found[next.get() - 1]
-    };
-    let coverage = verify::coverage(nth, 0.0, 0.95, found.len() as u64, 1).unwrap();
-    // Bars that are too long are none of its business.
-    if coverage.evidence.covered as f64 > 0.95 * coverage.evidence.runs as f64 {
-        1.0
-    } else {
-        coverage.p_value
-    }
+    covers_enough(&found)
 }
 
 /// h(kx + b) with 3 to 300 periods, of ∫ h = H from 0.

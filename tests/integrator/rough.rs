@@ -1,15 +1,14 @@
 //! What `integrate` makes of kinks and jumps that no axis follows: bars that cover where
 //! those of cubature do not; and of what only looks like them.
 
-use core::cell::Cell;
 use core::sync::atomic::{AtomicU64, Ordering};
 
+use crate::support::coverage::covers_enough;
 use crate::support::significance::{assert_plausible, assert_rejected};
 use estimand::integrator::{AutomaticEstimate, LongNet, Method, Why};
 use estimand::prelude::*;
 use estimand::quadrature::{Adaptive, Degree, adaptive};
 use estimand::sampler::{Owen, Sobol};
-use estimand::verify;
 
 /// One type for all integrands: what takes time to compile is the integrator.
 type Any<'a, const D: usize> = &'a (dyn Fn([f64; D]) -> f64 + Sync);
@@ -76,18 +75,7 @@ fn p_value(power: i32, answer: impl Fn(&Beyond, u64) -> Option<Estimate<f64>>) -
         })
         .collect();
     assert!(found.len() > 30, "{}", found.len());
-    let next = Cell::new(0);
-    let nth = |_| {
-        next.set(next.get() + 1);
-        found[next.get() - 1]
-    };
-    let coverage = verify::coverage(nth, 0.0, 0.95, found.len() as u64, 1).unwrap();
-    // Bars that are too long are none of its business.
-    if coverage.evidence.covered as f64 > 0.95 * coverage.evidence.runs as f64 {
-        1.0
-    } else {
-        coverage.p_value
-    }
+    covers_enough(&found)
 }
 
 #[test]

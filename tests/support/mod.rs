@@ -17,6 +17,7 @@
 
 pub mod chart;
 pub mod chi_squared;
+pub mod coverage;
 #[cfg(feature = "render")]
 pub mod film;
 pub mod integrals;
