@@ -38,6 +38,13 @@ pub(super) fn faces(centre: f64, half: f64) -> [bool; 2] {
     [centre - half == 0.0, centre + half == 1.0]
 }
 
+/// How far the outermost point that counts for room is from the upper end, as a share of
+/// `half`: the outermost node, or the point next to a face.
+pub(super) fn gap(centre: f64, half: f64, nodes: f64) -> f64 {
+    let [_, upper] = faces(centre, half);
+    if upper { 1.0 - AT_FACE } else { nodes }
+}
+
 impl<const N: usize> Beyond<N> {
     /// Through as many pairs of nodes as there are, at most N.
     const fn at_cut(nodes: &[f64]) -> Self {

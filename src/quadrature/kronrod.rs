@@ -1,6 +1,6 @@
 //! The Gauss–Kronrod rule of 21 nodes.
 
-use super::beyond::{AT_FACE, Ends, faces, slope};
+use super::beyond::{Ends, gap, slope};
 use super::found::{Found, has_room, rounding};
 use crate::value::Components;
 
@@ -95,8 +95,7 @@ pub(super) fn apply<C: Components>(
     }
     let [_, missed] = ENDS.unseen(0, (&[centre], &[half]), &mut [centre], &middle, &pairs, g);
     let width = 2.0 * half;
-    let [_, upper] = faces(centre, half);
-    let gap = 1.0 - if upper { AT_FACE } else { NODES[0] };
+    let gap = gap(centre, half, 1.0 - NODES[0]);
     let mut found = Found::new(0, has_room(centre, half, gap));
     for k in 0..C::COUNT {
         let mean = kronrod(&middle, &pairs, k, |y| y);

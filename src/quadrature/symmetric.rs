@@ -1,6 +1,6 @@
 //! Fully symmetric rules on a box.
 
-use super::beyond::{AT_FACE, Ends, faces};
+use super::beyond::{Ends, gap};
 use super::found::{Found, has_room, rounding};
 use super::orbit::{
     Orbit::{self, All, Centre, One, Three, Two},
@@ -27,7 +27,7 @@ type Weights = [f64; MOST];
 /// degree 9    1 + 8n + 6n(n − 1) + 4n(n − 1)(n − 2)/3 + 2ⁿ         points
 /// ```
 ///
-/// and 2n more, where the axes through the centre meet the faces of the box, which say what
+/// and 2n more, next to where the axes through the centre meet the faces of the box, which say what
 /// the rule misses between its outermost points and the faces ([`Ends`]): some fortieth of
 /// each side, at either end.
 ///
@@ -185,32 +185,34 @@ impl Symmetric {
         for i in 0..n {
             let mut line = [[C::ZERO; 2]; MOST_SINGLE];
             let line = &mut line[..self.singles];
-            let mut pairs = [C::ZERO; MOST_SINGLE];
-            for ((pair, values), single) in pairs.iter_mut().zip(&mut *line).zip(singles) {
+            for (pair, single) in line.iter_mut().zip(singles) {
                 let step = half[i] * single.power_sum(n, 1).sqrt();
-                for (value, at) in values.iter_mut().zip([centre[i] - step, centre[i] + step]) {
+                for (value, at) in pair.iter_mut().zip([centre[i] - step, centre[i] + step]) {
                     x[i] = at;
                     *value = g(x);
-                    add(pair, value);
                 }
             }
             let [off, missed] = self.ends.unseen(i, (centre, half), x, &sums[0], line, g);
             add(&mut unseen, &missed);
-            for (sum, pair) in sums[1..].iter_mut().zip(&pairs[..self.singles]) {
-                add(sum, pair);
+            for (sum, [low, high]) in sums[1..].iter_mut().zip(&*line) {
+                let mut pair = *low;
+                add(&mut pair, high);
+                add(sum, &pair);
             }
             let bend = |k: usize| {
                 let twice = 2.0 * sums[0].as_ref()[k];
-                let [near, far] = [0, 1].map(|single: usize| pairs[single].as_ref()[k] - twice);
+                let [near, far] = [0, 1].map(|single: usize| {
+                    let [low, high] = &line[single];
+                    low.as_ref()[k] + high.as_ref()[k] - twice
+                });
                 weights.as_ref()[k] * (near - ratio * far).abs().max(off.as_ref()[k])
             };
             let bend: f64 = (0..C::COUNT).map(bend).sum();
             let wider = |other: usize| {
                 bend > most * (1.0 + TIE) || (bend >= most * (1.0 - TIE) && half[i] > half[other])
             };
-            let [_, upper] = faces(centre[i], half[i]);
-            let gap = if upper { 1.0 - AT_FACE } else { GAP };
-            if has_room(centre[i], half[i], gap) && axis.is_none_or(wider) {
+            let room = has_room(centre[i], half[i], gap(centre[i], half[i], GAP));
+            if room && axis.is_none_or(wider) {
                 (axis, most) = (Some(i), bend);
             }
         }

@@ -101,8 +101,8 @@ fn by_values(told: &[(f64, f64, f64)], evaluations: f64, smooth: f64) -> Option<
 }
 
 impl<'a, E: TryEstimator> Boxes<'a, E> {
-    /// With so many evaluations where one is as good as another; `None` in too many
-    /// dimensions.
+    /// Boxes that are cut evenly where nothing but rounding is left, until there were
+    /// `evenly` evaluations; `None` in too many dimensions.
     pub(super) fn new(
         estimator: By<'a, E>,
         dimension: usize,

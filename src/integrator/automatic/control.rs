@@ -81,12 +81,8 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
             let error = told.map(|left| self.promise_of_controlled(&left, fitted, spent));
             // On a line, what is left is all in a few intervals, unless nothing is.
             let telling = self.dimension > 1 || fitting.passes.is_settled() && self.is_settled();
-            let boxes = self.findings.boxes.as_ref();
-            let uneven = |left: Estimate<_>| {
-                telling && self.is_uneven(fitting, &left)
-                    || boxes.is_some_and(|boxes| !self.is_near(boxes, &left))
-            };
-            self.findings.uneven = left.is_some_and(uneven);
+            self.findings.uneven =
+                telling && left.is_some_and(|left| self.is_uneven(fitting, &left));
             if let Some(error) = error {
                 self.promise(Method::Controlled, error);
             }

@@ -11,7 +11,7 @@ use super::findings::{
     TAUGHT, TEACH, TEACH_PEAKS, TEACHING, TELLING, TELLING_ALONE, UNLIKE,
 };
 use super::promise::layout;
-use crate::estimate::{Estimate, Moments};
+use crate::estimate::Moments;
 use crate::estimator::TryEstimator;
 use crate::integrator::Learning;
 use crate::value::{Components, Value};
@@ -155,26 +155,23 @@ impl<'a, E: TryEstimator> Automatic<'a, E> {
         });
     }
 
-    /// Whether cubature may be right, by samples of the pilot that are able to tell.
+    /// Whether the samples of the pilot would have noticed what cubature missed.
     pub(super) fn agrees(&self, boxes: &Boxes<'a, E>) -> bool {
-        let look = self.findings.look;
-        self.is_telling() && look.is_some_and(|look| self.is_near(boxes, &look))
-    }
-
-    /// Whether cubature may be right, by an estimate that knows nothing of it.
-    pub(super) fn is_near(&self, boxes: &Boxes<'a, E>, other: &Estimate<Wide<E>>) -> bool {
         let moments = self.findings.moments;
         let promised = boxes.promise(boxes.passes.spent(), false);
-        let (Some(cubature), Some(promised)) = (boxes.answer(&moments), promised) else {
+        let (Some(cubature), Some(promised), Some(look)) =
+            (boxes.answer(&moments), promised, self.findings.look)
+        else {
             return false;
         };
         let (value, error) = (cubature.mean.components(), promised.components());
-        let (mean, spread) = (other.mean.components(), other.standard_error.components());
-        (0..<E::Value as Value>::Components::COUNT).all(|k| {
-            let apart = (value.as_ref()[k] - mean.as_ref()[k]).abs();
-            let rounding = 1e-12 * mean.as_ref()[k].abs();
-            apart <= FAR * spread.as_ref()[k] + error.as_ref()[k] + rounding
-        })
+        let (mean, spread) = (look.mean.components(), look.standard_error.components());
+        self.is_telling()
+            && (0..<E::Value as Value>::Components::COUNT).all(|k| {
+                let apart = (value.as_ref()[k] - mean.as_ref()[k]).abs();
+                let rounding = 1e-12 * mean.as_ref()[k].abs();
+                apart <= FAR * spread.as_ref()[k] + error.as_ref()[k] + rounding
+            })
     }
 
     /// Whether so many samples are effective that they tell what cubature may have
